@@ -62,29 +62,11 @@ def test_headers_of_all_small_specs_compile_without_a_warning(
 @pytest.mark.interop("mypy")
 def test_mypy_finds_nothing_in_the_packages_of_small_specs(made: Path) -> None:
     families = sorted({spec.parent.name for spec in SMALL})
-    _succeeds(
-        sys.executable,
-        "-m",
-        "mypy",
-        "--strict",
-        "--no-warn-return-any",
-        "--no-incremental",
-        *families,
-        folder=made / "python",
-    )
+    mypy = (sys.executable, "-m", "mypy", "--strict", "--no-incremental")
+    _succeeds(*mypy, *families, folder=made / "python")
     packages = [f"{family}_columns" for family in families]
     pyarrow = ("--disable-error-code=import-untyped", "--disable-error-code=import-not-found")
-    _succeeds(
-        sys.executable,
-        "-m",
-        "mypy",
-        "--strict",
-        "--no-warn-return-any",
-        "--no-incremental",
-        *pyarrow,
-        *packages,
-        folder=made / "columns",
-    )
+    _succeeds(*mypy, *pyarrow, *packages, folder=made / "columns")
 
 
 def _succeeds(*command: str | Path, folder: Path | None = None) -> None:

@@ -116,16 +116,19 @@ def test_a_sum_has_the_width_of_its_field_and_a_negated_one_gives_zero(tmp_path:
 
 
 @pytest.mark.parametrize(
-    ("id_", "extended", "order", "bytes_of_id"),
+    ("part", "id_", "extended", "order", "bytes_of_id"),
     [
-        (0x123, False, "little", "23 01"),
-        (0x123, False, "big", "01 23"),
-        (0x18EF0102, True, "little", "02 01 EF 18"),
-        (0x18EF0102, True, "big", "18 EF 01 02"),
+        ("id", 0x123, False, "little", "23 01"),
+        ("id", 0x123, False, "big", "01 23"),
+        ("id", 0x18EF0102, True, "little", "02 01 EF 18"),
+        ("id", 0x18EF0102, True, "big", "18 EF 01 02"),
+        ("id_low", 0x123, False, "little", "23"),
+        ("id_low", 0x123, False, "big", "23"),
+        ("id_low", 0x18EF0102, True, "big", "02"),
     ],
 )
-def test_the_bytes_of_the_id(tmp_path: Path, id_: int, extended: bool, order: str, bytes_of_id: str) -> None:
-    over_id = "algorithm: crc8_smbus, over: [id, 0..3]"
+def test_the_bytes_of_the_id(tmp_path: Path, part: str, id_: int, extended: bool, order: str, bytes_of_id: str) -> None:
+    over_id = f"algorithm: crc8_smbus, over: [{part}, 0..3]"
     with_id = encoded(tmp_path, 8, over_id, 7, id_, extended=extended, order=order)
     constant = encoded(tmp_path, 8, f'algorithm: crc8_smbus, over: ["{bytes_of_id}", 0..3]', 7)
     assert with_id.data == constant.data

@@ -337,6 +337,8 @@ def _checksum(role: ChecksumRole, width: int, frame: CanFrame) -> int:
             content += part.data
         elif isinstance(part, DataBytes):
             content += frame.data[part.first : part.last + 1]
+        elif part.is_low:
+            content += bytes([frame.id & 0xFF])
         else:
             content += frame.id.to_bytes(4 if frame.extended else 2, "little" if part.order is Order.LITTLE else "big")
     if of.arithmetic is Arithmetic.SUM:

@@ -54,6 +54,19 @@ def of_node(data: bytes) -> v2_35.AnyReply:
     return Node(v2_35, 1).decode_reply(0x141, data)
 """
 
+CLIENT = """\
+import can
+from mwd_motor import v2_35
+from mwd_motor.client import Client
+from mwd_motor.nodes import Node
+
+def ask(bus: can.BusABC) -> None:
+    with Client(bus, [Node(v2_35, 1, known)], allow="motion") as client:
+        speeds: list[int] = [outcome.get().speed for outcome in client.cycle([request])]
+        assert speeds
+        print(client.request(request).{field})
+"""
+
 
 @pytest.mark.parametrize(
     "command",
@@ -94,8 +107,9 @@ def test_type_checkers_find_a_missing_case_and_nothing_else(command: tuple[str, 
         "unit: str = SetTorqueRequest.TYPES['iq'].unit\n"
         "match request:\n"
         "    case SetTorqueRequest(current):\n"
-        "        value: float = current\n"
+        "        value: float = current\n" + CLIENT.format(field="speed")
     )
+    (tmp_path / "wrong.py").write_text("from use import request, known\n" + CLIENT.format(field="sped"))
     replies = [m for m in specification(SPEC).edition.messages(Direction.REPLY) if m.identifying_codes or not m.keys]
     names = [class_name(m.name) for m in replies if m.layout.name != "motion_feedback"]
     for name, cases in (("complete", names), ("incomplete", names[1:])):
@@ -104,8 +118,11 @@ def test_type_checkers_find_a_missing_case_and_nothing_else(command: tuple[str, 
     (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict", "pythonVersion": "3.10"}')
     result = subprocess.run([sys.executable, "-m", *command], cwd=tmp_path, capture_output=True, text=True, check=False)
     errors = [line for line in result.stdout.splitlines() if " error: " in line]
+    misuses = [line for line in errors if "wrong.py:11" in line]
+    errors = [line for line in errors if line not in misuses]
     assert len(errors) == 1, result.stdout + result.stderr
     assert "incomplete.py:12" in errors[0] and "assert_never" in errors[0] and names[0] in result.stdout
+    assert "sped" in "".join(misuses)
 
 
 def test_a_constructor_says_field_value_and_range(v2_35: ModuleType) -> None:

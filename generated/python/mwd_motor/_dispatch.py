@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, Union, cast
 
 from ._codec import CodecError, Message, Refusal, Request, id_node, missing
 
@@ -491,8 +491,14 @@ class Dispatcher(Generic[P, Q, M]):
             answer.check_source(sent, to, -1, node, can_id, data)
         if reply is None:
             reply = answer.reply.unpack(node, can_id, data, self._unknown if parameters is None else parameters)
-        decoded: R = reply
-        return decoded
+        return cast("R", reply)
+
+    def share_a_reply(self, one: type[Message], other: type[Message]) -> bool:
+        """Whether one frame can answer requests of both classes."""
+        ours, theirs = (self._answers.get(request) for request in (one, other))
+        if ours is None or theirs is None:
+            return False
+        return any(_overlap(a, b) for a in (ours, *ours.further) for b in (theirs, *theirs.further))
 
     def _fitting(
         self,
@@ -594,6 +600,12 @@ class Dispatcher(Generic[P, Q, M]):
             if read(can_id, data) not in codes:
                 raise CodecError(Refusal.UNKNOWN_CODE, f"0x{can_id:X} does not have the code of {reply.__name__}")
         return node
+
+
+def _overlap(one: Answer, other: Answer) -> bool:
+    """Whether a frame can be both replies."""
+    pairs = [(a, b) for read, a in one.selectors for also, b in other.selectors if read is also]
+    return one.reply.DLC == other.reply.DLC and all(set(a) & set(b) for a, b in pairs)
 
 
 def not_answer(text: str) -> CodecError:

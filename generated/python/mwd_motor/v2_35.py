@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, Union
 from ._codec import (
     ArrayType,
     Bound,
+    ClientFacts,
     CodecError,
     EnumType,
     FieldAbsent,
@@ -126,6 +127,7 @@ __all__ = [
     "WritePositionAsZeroRomReply",
     "WritePositionAsZeroRomRequest",
     "check_reply",
+    "client_facts",
     "decode_answer",
     "decode_reply",
     "decode_request",
@@ -133,6 +135,7 @@ __all__ = [
     "ids_of",
     "node_bits_of",
     "node_of",
+    "share_a_reply",
 ]
 
 FAMILY = "mwd_motor"
@@ -1164,6 +1167,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     MANUAL = "2.9"
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
+    REPEAT = False
 
     __match_args__ = ("spin_direction", "angle")
     TYPES = {"spin_direction": _SpinDirection, "angle": SINGLE_TURN_ANGLE}
@@ -1244,6 +1248,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     MANUAL = "2.10"
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
+    REPEAT = False
 
     __match_args__ = ("spin_direction", "max_speed", "angle")
     TYPES = {"spin_direction": _SpinDirection, "max_speed": SPEED_LIMIT, "angle": SINGLE_TURN_ANGLE}
@@ -1701,6 +1706,7 @@ class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
     NODES = (1, 32)
     TITLE = "Read status 1 and errors"
     MANUAL = "2.24"
+    DIFFERS = True
 
 
 class ClearErrorsRequest(ToNode, Request["ClearErrorsReply"]):
@@ -1782,6 +1788,8 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     TITLE = "Torque control of up to four motors"
     MANUAL = "3.1"
     EFFECTS = ("moves",)
+    REPLIES = 4
+    REPLIERS = (1, 2, 3, 4)
 
     __match_args__ = ("iq",)
     TYPES = {"iq": ArrayType(BROADCAST_CURRENT, 4)}
@@ -2647,6 +2655,38 @@ AnyReply: TypeAlias = Union[
 ]
 """Every reply that `decode_reply` returns."""
 
+client_facts = ClientFacts(
+    {
+        "moves": ("The motor moves", "motion", True),
+        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False),
+        "stops": ("The motor stops", "none", True),
+        "clears_turns": ("The counted turns are cleared", "none", True),
+        "clears_commands": ("Commands received before are discarded", "none", True),
+        "clears_position_commands": ("The data of all position commands is cleared", "none", True),
+        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True),
+        "sets_zero": ("The zero of the angle changes", "none", False),
+        "writes_ram": ("Not kept at power-off", "none", True),
+        "writes_rom": ("Stored in ROM, kept at power-off", "none", True),
+        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False),
+        "needs_power_cycle": ("Takes effect after a power cycle", "none", True),
+        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True),
+        "led_steady": ("LED changes from a slow blink to steady", "none", True),
+    },
+    (
+        ReadPidRequest,
+        ReadAccelerationRequest,
+        ReadEncoderRequest,
+        ReadMultiTurnAngleRequest,
+        ReadSingleTurnAngleRequest,
+        ReadStatus1Request,
+        ReadStatus2Request,
+        ReadStatus3Request,
+    ),
+    {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
+    answers_in_order=True,
+)
+"""What the client knows of this edition."""
+
 _data_0 = DataByte(0)
 
 
@@ -2889,3 +2929,4 @@ decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply
+share_a_reply = _dispatcher.share_a_reply

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, Union
 
 from ._codec import (
     Bound,
+    ClientFacts,
     CodecError,
     EnumType,
     FieldAbsent,
@@ -151,6 +152,7 @@ __all__ = [
     "WritePositionAsZeroRomReply",
     "WritePositionAsZeroRomRequest",
     "check_reply",
+    "client_facts",
     "decode_answer",
     "decode_reply",
     "decode_request",
@@ -158,6 +160,7 @@ __all__ = [
     "ids_of",
     "node_bits_of",
     "node_of",
+    "share_a_reply",
 ]
 
 FAMILY = "mwd_motor"
@@ -1065,6 +1068,7 @@ class BrakeRequest(Request["BrakeReply"]):
     TITLE = "Brake"
     MANUAL = "8"
     EFFECTS = ("switches_brake",)
+    EXEMPT = {"action": {16: ("switches_brake",)}}
 
     __match_args__ = ("action",)
     TYPES = {"action": _BrakeAction}
@@ -1493,6 +1497,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     MANUAL = "14"
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
+    REPEAT = False
 
     __match_args__ = ("spin_direction", "angle")
     TYPES = {"spin_direction": _SpinDirection, "angle": SINGLE_TURN_ANGLE}
@@ -1573,6 +1578,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     MANUAL = "15"
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
+    REPEAT = False
 
     __match_args__ = ("spin_direction", "max_speed", "angle")
     TYPES = {"spin_direction": _SpinDirection, "max_speed": SPEED_LIMIT, "angle": SINGLE_TURN_ANGLE}
@@ -1809,6 +1815,7 @@ class ReadControlParameterAnglePidRequest(ToNode, Request["ReadControlParameterA
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the position loop"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterSpeedPidRequest(ToNode, Request["ReadControlParameterSpeedPidReply"]):
@@ -1827,6 +1834,7 @@ class ReadControlParameterSpeedPidRequest(ToNode, Request["ReadControlParameterS
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the speed loop"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterCurrentPidRequest(ToNode, Request["ReadControlParameterCurrentPidReply"]):
@@ -1845,6 +1853,7 @@ class ReadControlParameterCurrentPidRequest(ToNode, Request["ReadControlParamete
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the current loop"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterMaxTorqueCurrentRequest(ToNode, Request["ReadControlParameterMaxTorqueCurrentReply"]):
@@ -1863,6 +1872,7 @@ class ReadControlParameterMaxTorqueCurrentRequest(ToNode, Request["ReadControlPa
     NODES = (1, 32)
     TITLE = "Read control parameter: Maximum torque current"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterMaxSpeedRequest(ToNode, Request["ReadControlParameterMaxSpeedReply"]):
@@ -1881,6 +1891,7 @@ class ReadControlParameterMaxSpeedRequest(ToNode, Request["ReadControlParameterM
     NODES = (1, 32)
     TITLE = "Read control parameter: Maximum speed"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterMaxAngleRequest(ToNode, Request["ReadControlParameterMaxAngleReply"]):
@@ -1899,6 +1910,7 @@ class ReadControlParameterMaxAngleRequest(ToNode, Request["ReadControlParameterM
     NODES = (1, 32)
     TITLE = "Read control parameter: Angle limit"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterCurrentRampRequest(ToNode, Request["ReadControlParameterCurrentRampReply"]):
@@ -1917,6 +1929,7 @@ class ReadControlParameterCurrentRampRequest(ToNode, Request["ReadControlParamet
     NODES = (1, 32)
     TITLE = "Read control parameter: Current ramp"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterSpeedRampRequest(ToNode, Request["ReadControlParameterSpeedRampReply"]):
@@ -1935,6 +1948,7 @@ class ReadControlParameterSpeedRampRequest(ToNode, Request["ReadControlParameter
     NODES = (1, 32)
     TITLE = "Read control parameter: Speed ramp"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class WriteControlParameterRamAnglePidRequest(PidGains, Request["WriteControlParameterRamAnglePidReply"]):
@@ -2177,6 +2191,7 @@ class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
     NODES = (1, 32)
     TITLE = "Read encoder"
     MANUAL = "20"
+    DIFFERS = True
 
 
 class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply"]):
@@ -2219,6 +2234,7 @@ class ReadMultiTurnAngleRequest(ToNode, Request["ReadMultiTurnAngleReply"]):
     NODES = (1, 32)
     TITLE = "Read multi-turn angle"
     MANUAL = "22"
+    DIFFERS = True
 
 
 class ReadSingleTurnAngleRequest(ToNode, Request["ReadSingleTurnAngleReply"]):
@@ -2237,6 +2253,7 @@ class ReadSingleTurnAngleRequest(ToNode, Request["ReadSingleTurnAngleReply"]):
     NODES = (1, 32)
     TITLE = "Read single-turn angle"
     MANUAL = "23"
+    DIFFERS = True
 
 
 class SetAngleRequest(SetAngle, Request["SetAngleReply"]):
@@ -2277,6 +2294,7 @@ class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
     NODES = (1, 32)
     TITLE = "Read status 1 and errors"
     MANUAL = "1"
+    DIFFERS = True
 
 
 class ClearErrorsRequest(ToNode, Request["ClearErrorsReply"]):
@@ -2318,6 +2336,7 @@ class ReadStatus2Request(ToNode, Request["ReadStatus2Reply"]):
     NODES = (1, 32)
     TITLE = "Read status 2"
     MANUAL = "3"
+    DIFFERS = True
 
 
 class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
@@ -2337,6 +2356,7 @@ class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
     TITLE = "Read status 3"
     MANUAL = "4"
     ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
+    DIFFERS = True
 
 
 class MotorOffReply(ToNode, Reply):
@@ -3406,6 +3426,44 @@ AnyReply: TypeAlias = Union[
 ]
 """Every reply that `decode_reply` returns."""
 
+client_facts = ClientFacts(
+    {
+        "moves": ("The motor moves", "motion", True),
+        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False),
+        "switches_brake": ("The brake is locked or released", "motion", True),
+        "stops": ("The motor stops", "none", True),
+        "clears_turns": ("The counted turns are cleared", "none", True),
+        "clears_commands": ("Commands received before are discarded", "none", True),
+        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True),
+        "sets_zero": ("The zero of the angle changes", "none", False),
+        "writes_ram": ("Not kept at power-off", "none", True),
+        "writes_rom": ("Stored in ROM, kept at power-off", "none", True),
+        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False),
+        "needs_power_cycle": ("Takes effect after a power cycle", "none", True),
+        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True),
+        "led_steady": ("LED changes from a slow blink to steady", "none", True),
+    },
+    (
+        ReadEncoderRequest,
+        ReadMultiTurnAngleRequest,
+        ReadSingleTurnAngleRequest,
+        ReadStatus1Request,
+        ReadStatus2Request,
+        ReadStatus3Request,
+        ReadControlParameterAnglePidRequest,
+        ReadControlParameterSpeedPidRequest,
+        ReadControlParameterCurrentPidRequest,
+        ReadControlParameterMaxTorqueCurrentRequest,
+        ReadControlParameterMaxSpeedRequest,
+        ReadControlParameterMaxAngleRequest,
+        ReadControlParameterCurrentRampRequest,
+        ReadControlParameterSpeedRampRequest,
+    ),
+    {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
+    answers_in_order=True,
+)
+"""What the client knows of this edition."""
+
 _data_0 = DataByte(0)
 _data_1 = DataByte(1)
 
@@ -3765,3 +3823,4 @@ decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply
+share_a_reply = _dispatcher.share_a_reply

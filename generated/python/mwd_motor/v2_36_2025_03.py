@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, Union
 
 from ._codec import (
     Bound,
+    ClientFacts,
     CodecError,
     EnumType,
     FieldAbsent,
@@ -218,6 +219,7 @@ __all__ = [
     "WritePositionAsZeroRomReply",
     "WritePositionAsZeroRomRequest",
     "check_reply",
+    "client_facts",
     "decode_answer",
     "decode_reply",
     "decode_request",
@@ -225,6 +227,7 @@ __all__ = [
     "ids_of",
     "node_bits_of",
     "node_of",
+    "share_a_reply",
 ]
 
 FAMILY = "mwd_motor"
@@ -1621,6 +1624,7 @@ class BrakeRequest(Request["BrakeReply"]):
     TITLE = "Brake"
     MANUAL = "8"
     EFFECTS = ("switches_brake",)
+    EXEMPT = {"action": {16: ("switches_brake",)}}
 
     __match_args__ = ("action",)
     TYPES = {"action": _BrakeAction}
@@ -2049,6 +2053,7 @@ class TurnToAngleRequest(Request["TurnToAngleReply"]):
     MANUAL = "14"
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_speed", "max_acceleration", "max_torque_current", "max_power")
+    REPEAT = False
 
     __match_args__ = ("spin_direction", "angle")
     TYPES = {"spin_direction": _SpinDirection, "angle": SINGLE_TURN_ANGLE}
@@ -2129,6 +2134,7 @@ class TurnToAngleAtSpeedRequest(Request["TurnToAngleAtSpeedReply"]):
     MANUAL = "15"
     EFFECTS = ("moves",)
     LIMITED_BY = ("max_acceleration", "max_torque_current", "max_power")
+    REPEAT = False
 
     __match_args__ = ("spin_direction", "max_speed", "angle")
     TYPES = {"spin_direction": _SpinDirection, "max_speed": SPEED_LIMIT, "angle": SINGLE_TURN_ANGLE}
@@ -2365,6 +2371,7 @@ class ReadControlParameterAnglePidRequest(ToNode, Request["ReadControlParameterA
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the position loop"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterSpeedPidRequest(ToNode, Request["ReadControlParameterSpeedPidReply"]):
@@ -2383,6 +2390,7 @@ class ReadControlParameterSpeedPidRequest(ToNode, Request["ReadControlParameterS
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the speed loop"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterCurrentPidRequest(ToNode, Request["ReadControlParameterCurrentPidReply"]):
@@ -2401,6 +2409,7 @@ class ReadControlParameterCurrentPidRequest(ToNode, Request["ReadControlParamete
     NODES = (1, 32)
     TITLE = "Read control parameter: Gains of the current loop"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterMaxTorqueCurrentRequest(ToNode, Request["ReadControlParameterMaxTorqueCurrentReply"]):
@@ -2419,6 +2428,7 @@ class ReadControlParameterMaxTorqueCurrentRequest(ToNode, Request["ReadControlPa
     NODES = (1, 32)
     TITLE = "Read control parameter: Torque current limit"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterMaxSpeedRequest(ToNode, Request["ReadControlParameterMaxSpeedReply"]):
@@ -2437,6 +2447,7 @@ class ReadControlParameterMaxSpeedRequest(ToNode, Request["ReadControlParameterM
     NODES = (1, 32)
     TITLE = "Read control parameter: Speed limit"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterUpperAngleRequest(ToNode, Request["ReadControlParameterUpperAngleReply"]):
@@ -2455,6 +2466,7 @@ class ReadControlParameterUpperAngleRequest(ToNode, Request["ReadControlParamete
     NODES = (1, 32)
     TITLE = "Read control parameter: Upper angle limit"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterLowerAngleRequest(ToNode, Request["ReadControlParameterLowerAngleReply"]):
@@ -2473,6 +2485,7 @@ class ReadControlParameterLowerAngleRequest(ToNode, Request["ReadControlParamete
     NODES = (1, 32)
     TITLE = "Read control parameter: Lower angle limit"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class ReadControlParameterSpeedRampRequest(ToNode, Request["ReadControlParameterSpeedRampReply"]):
@@ -2491,6 +2504,7 @@ class ReadControlParameterSpeedRampRequest(ToNode, Request["ReadControlParameter
     NODES = (1, 32)
     TITLE = "Read control parameter: Speed ramp"
     MANUAL = "18"
+    DIFFERS = True
 
 
 class WriteControlParameterRamAnglePidRequest(PidGains, Request["WriteControlParameterRamAnglePidReply"]):
@@ -2733,6 +2747,7 @@ class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
     NODES = (1, 32)
     TITLE = "Read encoder"
     MANUAL = "20"
+    DIFFERS = True
 
 
 class CalibrateEncoderRequest(ToNode, Request["CalibrateEncoderReply"]):
@@ -2761,6 +2776,7 @@ class CalibrateEncoderRequest(ToNode, Request["CalibrateEncoderReply"]):
     TITLE = "Calibrate encoder"
     MANUAL = "21"
     EFFECTS = ("moves", "writes_rom", "wears_rom")
+    REPLY_WITHIN_MS = 10000.0
 
 
 class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply"]):
@@ -2803,6 +2819,7 @@ class ReadMultiTurnAngleRequest(ToNode, Request["ReadMultiTurnAngleReply"]):
     NODES = (1, 32)
     TITLE = "Read multi-turn angle"
     MANUAL = "23"
+    DIFFERS = True
 
 
 class ReadSingleTurnAngleRequest(ToNode, Request["ReadSingleTurnAngleReply"]):
@@ -2821,6 +2838,7 @@ class ReadSingleTurnAngleRequest(ToNode, Request["ReadSingleTurnAngleReply"]):
     NODES = (1, 32)
     TITLE = "Read single-turn angle"
     MANUAL = "24"
+    DIFFERS = True
 
 
 class SetZeroRamRequest(ToNode, Request["SetZeroRamReply"]):
@@ -2861,6 +2879,7 @@ class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
     NODES = (1, 32)
     TITLE = "Read status 1 and errors"
     MANUAL = "1"
+    DIFFERS = True
 
 
 class ClearErrorsRequest(ToNode, Request["ClearErrorsReply"]):
@@ -2902,6 +2921,7 @@ class ReadStatus2Request(ToNode, Request["ReadStatus2Reply"]):
     NODES = (1, 32)
     TITLE = "Read status 2"
     MANUAL = "3"
+    DIFFERS = True
 
 
 class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
@@ -2921,6 +2941,7 @@ class ReadStatus3Request(ToNode, Request["ReadStatus3Reply"]):
     TITLE = "Read status 3"
     MANUAL = "4"
     ONLY = {"series": (Series.MF, Series.MH, Series.MG)}
+    DIFFERS = True
 
 
 class ReadStoredSettingDriverIdRequest(ToNode, Request["ReadStoredSettingDriverIdReply"]):
@@ -2939,6 +2960,7 @@ class ReadStoredSettingDriverIdRequest(ToNode, Request["ReadStoredSettingDriverI
     NODES = (1, 32)
     TITLE = "Read stored setting: Node id"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingBusTypeRequest(ToNode, Request["ReadStoredSettingBusTypeReply"]):
@@ -2957,6 +2979,7 @@ class ReadStoredSettingBusTypeRequest(ToNode, Request["ReadStoredSettingBusTypeR
     NODES = (1, 32)
     TITLE = "Read stored setting: Bus"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingRs485BaudRateRequest(ToNode, Request["ReadStoredSettingRs485BaudRateReply"]):
@@ -2975,6 +2998,7 @@ class ReadStoredSettingRs485BaudRateRequest(ToNode, Request["ReadStoredSettingRs
     NODES = (1, 32)
     TITLE = "Read stored setting: RS485 bit rate"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingCanBaudRateRequest(ToNode, Request["ReadStoredSettingCanBaudRateReply"]):
@@ -2993,6 +3017,7 @@ class ReadStoredSettingCanBaudRateRequest(ToNode, Request["ReadStoredSettingCanB
     NODES = (1, 32)
     TITLE = "Read stored setting: CAN bit rate"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingMaxPowerRequest(ToNode, Request["ReadStoredSettingMaxPowerReply"]):
@@ -3011,6 +3036,7 @@ class ReadStoredSettingMaxPowerRequest(ToNode, Request["ReadStoredSettingMaxPowe
     NODES = (1, 32)
     TITLE = "Read stored setting: Maximum power"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingMaxSpeedRequest(ToNode, Request["ReadStoredSettingMaxSpeedReply"]):
@@ -3029,6 +3055,7 @@ class ReadStoredSettingMaxSpeedRequest(ToNode, Request["ReadStoredSettingMaxSpee
     NODES = (1, 32)
     TITLE = "Read stored setting: Maximum speed"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingMaxAngleRequest(ToNode, Request["ReadStoredSettingMaxAngleReply"]):
@@ -3047,6 +3074,7 @@ class ReadStoredSettingMaxAngleRequest(ToNode, Request["ReadStoredSettingMaxAngl
     NODES = (1, 32)
     TITLE = "Read stored setting: Maximum angle"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingCurrentRampRequest(ToNode, Request["ReadStoredSettingCurrentRampReply"]):
@@ -3065,6 +3093,7 @@ class ReadStoredSettingCurrentRampRequest(ToNode, Request["ReadStoredSettingCurr
     NODES = (1, 32)
     TITLE = "Read stored setting: Current ramp"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingSpeedRampRequest(ToNode, Request["ReadStoredSettingSpeedRampReply"]):
@@ -3083,6 +3112,7 @@ class ReadStoredSettingSpeedRampRequest(ToNode, Request["ReadStoredSettingSpeedR
     NODES = (1, 32)
     TITLE = "Read stored setting: Speed ramp"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingAnglePidRequest(ToNode, Request["ReadStoredSettingAnglePidReply"]):
@@ -3101,6 +3131,7 @@ class ReadStoredSettingAnglePidRequest(ToNode, Request["ReadStoredSettingAnglePi
     NODES = (1, 32)
     TITLE = "Read stored setting: Gains of the position loop"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingSpeedPidRequest(ToNode, Request["ReadStoredSettingSpeedPidReply"]):
@@ -3119,6 +3150,7 @@ class ReadStoredSettingSpeedPidRequest(ToNode, Request["ReadStoredSettingSpeedPi
     NODES = (1, 32)
     TITLE = "Read stored setting: Gains of the speed loop"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class ReadStoredSettingCurrentPidRequest(ToNode, Request["ReadStoredSettingCurrentPidReply"]):
@@ -3137,6 +3169,7 @@ class ReadStoredSettingCurrentPidRequest(ToNode, Request["ReadStoredSettingCurre
     NODES = (1, 32)
     TITLE = "Read stored setting: Gains of the current loop"
     MANUAL = "26"
+    DIFFERS = True
 
 
 class StageStoredSettingDriverIdRequest(StoredSettingsDriverId, Request["StageStoredSettingDriverIdReply"]):
@@ -5233,6 +5266,58 @@ AnyReply: TypeAlias = Union[
 ]
 """Every reply that `decode_reply` returns."""
 
+client_facts = ClientFacts(
+    {
+        "moves": ("The motor moves", "motion", True),
+        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False),
+        "stops": ("The motor stops", "none", True),
+        "clears_turns": ("The counted turns are cleared", "none", True),
+        "clears_commands": ("Commands received before are discarded", "none", True),
+        "switches_brake": ("The brake is locked or released", "motion", True),
+        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True),
+        "sets_zero": ("The zero of the angle changes", "none", False),
+        "writes_ram": ("Not kept at power-off", "none", True),
+        "stages": ("Permanent only after the save command", "none", True),
+        "moves_contact": ("After it takes effect, the drive uses another id, bus or bit rate", "contact", True),
+        "writes_rom": ("Stored in ROM, kept at power-off", "none", True),
+        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False),
+        "needs_power_cycle": ("Takes effect after a power cycle", "none", True),
+        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True),
+        "led_steady": ("LED changes from a slow blink to steady", "none", True),
+    },
+    (
+        ReadEncoderRequest,
+        ReadMultiTurnAngleRequest,
+        ReadSingleTurnAngleRequest,
+        ReadStatus1Request,
+        ReadStatus2Request,
+        ReadStatus3Request,
+        ReadControlParameterAnglePidRequest,
+        ReadControlParameterSpeedPidRequest,
+        ReadControlParameterCurrentPidRequest,
+        ReadControlParameterMaxTorqueCurrentRequest,
+        ReadControlParameterMaxSpeedRequest,
+        ReadControlParameterUpperAngleRequest,
+        ReadControlParameterLowerAngleRequest,
+        ReadControlParameterSpeedRampRequest,
+        ReadStoredSettingDriverIdRequest,
+        ReadStoredSettingBusTypeRequest,
+        ReadStoredSettingRs485BaudRateRequest,
+        ReadStoredSettingCanBaudRateRequest,
+        ReadStoredSettingMaxPowerRequest,
+        ReadStoredSettingMaxSpeedRequest,
+        ReadStoredSettingMaxAngleRequest,
+        ReadStoredSettingCurrentRampRequest,
+        ReadStoredSettingSpeedRampRequest,
+        ReadStoredSettingAnglePidRequest,
+        ReadStoredSettingSpeedPidRequest,
+        ReadStoredSettingCurrentPidRequest,
+    ),
+    {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
+    answers_in_order=True,
+)
+"""What the client knows of this edition."""
+
 _data_0 = DataByte(0)
 _data_1 = DataByte(1)
 _data_2 = DataByte(2)
@@ -5887,3 +5972,4 @@ decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply
+share_a_reply = _dispatcher.share_a_reply

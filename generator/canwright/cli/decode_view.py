@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
 from ..model.formatting import bus_id, counted, numbers, sent, span as value_span
+from ..recordings.counter_gaps import CounterGaps
 from ..recordings.exports import bus_name, milliseconds, seconds
 from ..recordings.log_frame import Counts, SkippedPart
 from ..recordings.nodes import Choice, Nodes
@@ -188,6 +189,9 @@ def _findings(node: NodeSummary) -> Iterator[str]:
     for message, periods in node.periods.items():
         if periods.late or periods.timeouts:
             yield f"  {message.name}: {_periods(periods)}"
+    for (message, name), gaps in node.counters.items():
+        if not gaps.is_regular:
+            yield f"  {message.name}: {_counter_gaps(name, gaps)}"
     for name, values in node.implausible.items():
         cell, limits = values.example, values.example.column.field.type.plausible
         value = value_text(cell.value, cell.raw, cell.column.unit)
@@ -195,6 +199,18 @@ def _findings(node: NodeSummary) -> Iterator[str]:
         yield f"  {values.count} implausible: `{name}` is outside {among}, as {value} in {sent(values.frame)}"
     for reason, rejected in node.rejected.items():
         yield f"  {rejected.count} rejected, {reason.value}: {rejected.rejection.text}, as in {sent(rejected.example)}"
+
+
+def _counter_gaps(name: str, gaps: CounterGaps) -> str:
+    """The frames that are missing or repeated according to a counter."""
+    parts = [f"counter `{name}` from {gaps.role.first} to {gaps.role.last}"]
+    if gaps.gaps:
+        parts.append(f"{counted(gaps.gaps, 'gap')}, {counted(gaps.missing, 'frame')} missing")
+    if gaps.repeated:
+        parts.append(f"{gaps.repeated} repeated")
+    if gaps.invalid:
+        parts.append(f"{gaps.invalid} outside")
+    return "; ".join(parts)
 
 
 def _periods(periods: Periods) -> str:

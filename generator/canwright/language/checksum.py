@@ -43,8 +43,8 @@ class ChecksumSpec(Concept):
         Annotated[list[ChecksumInput], Limits(min_length=1, max_length=64)] | ChecksumInput,
         Doc(
             "The bytes, in this order: data bytes `0..6`, the `id` (2 bytes, or 4 of a 29-bit id, in the byte order of the "
-            "field), and constant bytes in hex, such as a data id, in quotes. Bits of the checksum itself count as 0.",
-            examples=("0..6", ["34 12", "1..7"], ["id", "0..6"]),
+            "field), its lowest byte `id_low`, and constant bytes in hex, such as a data id, in quotes. Bits of the checksum itself count as 0.",
+            examples=("0..6", ["34 12", "1..7"], ["id", "0..6"], ["id_low", "0..6"]),
         ),
     ]
 

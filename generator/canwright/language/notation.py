@@ -232,13 +232,15 @@ def data_bytes(text: str) -> bytes:
         ) from None
 
 
-CHECKSUM_INPUT_PATTERN = rf"^(?:id|{_WHOLE}\.\.{_WHOLE}|[0-9A-Fa-f]{{2}}(?: [0-9A-Fa-f]{{2}})*)$"
+CHECKSUM_INPUT_PATTERN = rf"^(?:id|id_low|{_WHOLE}\.\.{_WHOLE}|[0-9A-Fa-f]{{2}}(?: [0-9A-Fa-f]{{2}})*)$"
 
 
-def checksum_input(written: object) -> DataBytes | ConstantBytes | Literal["id"]:
-    """Bytes over which a checksum is computed: data bytes `0..6`, the `id`, or constant bytes in hex, `34 12`."""
+def checksum_input(written: object) -> DataBytes | ConstantBytes | Literal["id", "id_low"]:
+    """Bytes over which a checksum is computed: data bytes `0..6`, the `id`, its low byte, or constant bytes in hex, `34 12`."""
     if written == "id":
         return "id"
+    if written == "id_low":
+        return "id_low"
     if isinstance(written, str) and ".." in written:
         numbers = _numbers(written)
         if numbers[-1] > LAST_BYTE:

@@ -89,10 +89,10 @@ Raw = Annotated[
     _written(notation.raw_format, "u8", _text_of(notation.RAW_PATTERN, "u8", "i16", "i56", "f32", "ascii8")),
 ]
 ChecksumInput = Annotated[
-    DataBytes | ConstantBytes | Literal["id"],
+    DataBytes | ConstantBytes | Literal["id", "id_low"],
     Notation(
         notation.checksum_input,
-        'data bytes, `id` or constant bytes here, for example 0..6 or "34 12"',
+        'data bytes, `id`, `id_low` or constant bytes here, for example 0..6 or "34 12"',
         _text_of(notation.CHECKSUM_INPUT_PATTERN, "0..6", "id", "34 12"),
         any_scalar=True,
     ),

@@ -94,9 +94,10 @@ class DataBytes:
 
 @dataclass(frozen=True)
 class IdBytes:
-    """The CAN id: 2 bytes for 11 bits, 4 bytes for 29 bits, in this order."""
+    """The CAN id: 2 bytes for 11 bits, 4 bytes for 29 bits, in this order; or its lowest byte only."""
 
     order: Order
+    is_low: bool
 
 
 @dataclass(frozen=True)

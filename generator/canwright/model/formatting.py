@@ -284,7 +284,7 @@ def _checksum_input(part: Input) -> str:
         return part.data.hex(" ").upper()
     if isinstance(part, DataBytes):
         return f"DATA[{part.first}]" if part.first == part.last else f"DATA[{part.first}..{part.last}]"
-    return f"id {part.order.value}-endian"
+    return "id bits 0..7" if part.is_low else f"id {part.order.value}-endian"
 
 
 NOT_GIVEN = "not given"

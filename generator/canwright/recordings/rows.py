@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from ..model.edition import Edition
 from ..model.joined import Joined
-from ..model.layout import Element, Field, Space
+from ..model.layout import CounterRole, Element, Field, Space
 from ..model.message import Direction, Message
 from ..model.types import Assignment, Encoding, Linear, Type, factors
 from ..semantics.decoder import linear_of, value_of
@@ -72,6 +72,8 @@ class RowForm:
     """For each column, whether all values are numbers."""
     plausible: Sequence[tuple[int, float, float]]
     """The positions of columns whose values can be implausible, with the limits."""
+    counters: Sequence[tuple[int, CounterRole]]
+    """The positions of columns that are counters."""
 
     def row(self, judged: DirectedFrame) -> Row:
         """The row of a frame."""
@@ -157,6 +159,9 @@ class RowReader:
                 field.type.joined is None and _scale(field.type, assignment) is not None for field, _, _ in listed
             ),
             plausible=tuple((at, *ends) for at, ends in enumerate(limits) if ends is not None),
+            counters=tuple(
+                (at, role) for at, (field, _, _) in enumerate(listed) if isinstance(role := field.role, CounterRole)
+            ),
         )
         return form
 

@@ -12,6 +12,7 @@ from ..model.refusal import Refusal
 from ..model.sending import Sending
 from ..semantics.decoder import Rejection
 from ..semantics.frame import CanFrame
+from .counter_gaps import CounterGaps
 from .directions import DecidedBy, DirectedFrame
 from .log_frame import new_tuple
 from .periods import Periods
@@ -65,6 +66,8 @@ class NodeSummary:
     """Parameters that are not given, so that values are missing."""
     periods: dict[Message, Periods] = field(default_factory=dict)
     """The gaps between frames that have a period or a time-out, by message."""
+    counters: dict[tuple[Message, str], CounterGaps] = field(default_factory=dict)
+    """The gaps between the values of counters, by message and column."""
     timed: int = 0
     latency: int = 0
     longest: int = 0
@@ -139,6 +142,8 @@ class Summary:
             return
         if message.sending is not None and time is not None and judged.rejection is None:
             _time(counted.node, message, message.sending, judged.number, time)
+        if form.counters and judged.rejection is None:
+            _count(counted.node, message, row)
         if implausible:
             self._add_implausible(counted.node, row)
         if judged.rejection is not None:
@@ -240,6 +245,15 @@ class Summary:
         for node in waiting.request.command.from_each:
             if (waiting.bus, node) in self.nodes and node not in waiting.replied:
                 self.nodes[waiting.bus, node].missing += 1
+
+
+def _count(node: NodeSummary, message: Message, row: Row) -> None:
+    """Counts the gaps before the counters of a frame."""
+    for at, role in row.form.counters:
+        key = message, row.form.columns[at].name
+        if key not in node.counters:
+            node.counters[key] = CounterGaps(role)
+        node.counters[key].add(row.fields[2 * at])
 
 
 def _time(node: NodeSummary, message: Message, sending: Sending, number: int, time: int) -> None:

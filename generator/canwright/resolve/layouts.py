@@ -317,5 +317,5 @@ def _checksum(written: schema.ChecksumSpec, type_: Type) -> ChecksumRole:
     return ChecksumRole(
         name=written.algorithm or "",
         algorithm=algorithm,
-        inputs=tuple(IdBytes(type_.order) if part == "id" else part for part in inputs),
+        inputs=tuple(IdBytes(type_.order, part == "id_low") if isinstance(part, str) else part for part in inputs),
     )

@@ -131,9 +131,11 @@ def _data_byte(byte: int, own: Iterable[Segment]) -> FrameByte | int:
 
 
 def _id_bytes(message: Message, part: IdBytes) -> Sequence[FrameByte]:
-    """The bytes of the id, 2 of 11 bits and 4 of 29, lowest or highest first."""
+    """The bytes of the id, 2 of 11 bits and 4 of 29, lowest or highest first; or the lowest one."""
     width = 29 if message.id.extended else 11
     each = [FrameByte(Space.ID, (Segment(0, low, min(8, width - low), 0),)) for low in range(0, width, 8)]
+    if part.is_low:
+        return each[:1]
     return each if part.order is Order.LITTLE else each[::-1]
 
 

@@ -195,6 +195,8 @@ class Checksum:
 
 
 def _input(part: str, can_id: int, extended: bool, data: bytes) -> bytes:
+    if part == "id bits 0..7":
+        return bytes([can_id & 0xFF])
     if part.startswith("id "):
         return can_id.to_bytes(4 if extended else 2, "big" if part == "id big-endian" else "little")
     places = re.fullmatch(r"DATA\[(\d+)(?:\.\.(\d+))?\]", part)

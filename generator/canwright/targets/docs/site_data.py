@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from ...language.units import read_units
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Field
@@ -46,9 +47,18 @@ def _json(value: object) -> str:
 
 
 def _synonyms() -> list[list[str]]:
-    """Groups of words with one meaning, in any language: those of the field, then those of protocols."""
+    """Groups of words with one meaning, in any language: those of the field, of protocols and of units for one quantity.
+
+    Symbols of one letter are left out, because they occur in names with another meaning, as `A` in "phase A".
+    """
     files = (resources.TEMPLATES / "docs" / "synonyms.yaml", resources.SYNONYMS)
-    return [group for file in files for group in read_data(file)]
+    of_quantity: dict[str, list[str]] = {}
+    for unit in read_units()[1].values():
+        names = dict.fromkeys((unit.symbol, unit.name, *unit.title.values()))
+        of_quantity.setdefault(unit.quantity, []).extend(name for name in names if len(name) > 1)
+    return [group for file in files for group in read_data(file)] + [
+        group for group in of_quantity.values() if len(group) > 1
+    ]
 
 
 def _records(edition: Edition) -> Iterator[Record]:

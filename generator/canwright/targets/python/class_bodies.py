@@ -30,8 +30,8 @@ class FieldView:
     """The type of its raw integer, or integers."""
     given: str
     """The type of its keyword."""
-    value: code.Code
-    """The statement that returns the value; of `raw` for an optional field."""
+    value: tuple[code.Code, ...]
+    """The statements that return the value; of `raw` for an optional field."""
     to_raw: code.Code
     """Expression of the raw integer, of the keyword."""
     type: code.Code
@@ -60,10 +60,11 @@ def field_view(
     python, raw_python, given = type_.python, "int", f"{type_.enum} | int" if type_.enum else use("Real")
     given += " | str | None" if field.type.no_values else ""
     type_item = f"{name}: {type_.constant}"
-    value: code.Code
+    value: tuple[code.Code, ...]
     if field.type.joined is not None:
         joined = field.type.joined
-        value = code.call(f"return self.TYPES[{name}].value", (raw, "self._parameters", name))
+        of_all = code.call(f"value: {python} = self.TYPES[{name}].value", (raw, "self._parameters", name))
+        value = of_all, "return value"
         is_text = isinstance(joined, JoinedText)
         arguments = [type_.constant, str(joined.count)]
         if isinstance(joined, JoinedText):
@@ -73,16 +74,13 @@ def field_view(
     elif field.is_array:
         inline = types.inline_value(field.type, "one") if not type_.enum else None
         of_one = inline or code.call(f"{type_.constant}.value", ("one", "self._parameters", name))
-        value = code.Parts("return tuple", (of_one, f"for one in {raw}"))
+        value = (code.Parts("return tuple", (of_one, f"for one in {raw}")),)
         type_item = f"{name}: {use('ArrayType')}({type_.constant}, {len(field.elements)})"
         python, raw_python, given = f"tuple[{python}, ...]", "tuple[int, ...]", f"{use('Iterable')}[{given}]"
     else:
         inline = types.inline_value(field.type, raw) if not type_.enum else None
-        value = (
-            f"return {inline}"
-            if inline
-            else code.call(f"return {type_.constant}.value", (raw, "self._parameters", name))
-        )
+        of_raw = code.call(f"return {type_.constant}.value", (raw, "self._parameters", name))
+        value = (f"return {inline}" if inline else of_raw,)
     of_type = f"self.TYPES[{name}]" if field.is_array else type_.constant
     return FieldView(
         attribute=attribute,

@@ -12,9 +12,8 @@ from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame, Value
 from ...model.layout import Field
 from ...model.message import Message
+from ...model.metadata import Consent
 from ...model.types import Assignment, Parameter
-from ...semantics.decoder import Decoder, Rejection
-from ...semantics.encoder import Encoder
 from ...semantics.frame import CanFrame, node_of
 from ..base import EditionInput, WorkedExchange
 from ..examples import readme_exchange
@@ -120,8 +119,10 @@ class Example(NamedTuple):
     field: str
     shares_ids: bool
     """Whether requests and replies of the edition have the same ids."""
-    probe: str
-    """A request without effects whose reply always differs from it; empty where the edition has none."""
+    allow: str
+    """The consent that the client needs for the request; empty without one."""
+    allow_once: str
+    """The consent that is given with the request; empty without one."""
 
 
 def example(specifications: Sequence[EditionInput]) -> Example | None:
@@ -147,14 +148,14 @@ def _example(edition: Edition, exchange: WorkedExchange) -> Example:
     known, names = _known(edition, exchange.parameters)
     values = [f"{argument.keyword}={argument.value}" for argument in sent]
     classes = text.class_name(asked.name), text.class_name(answer.name)
-    names |= {*classes, "CodecError", "REPLY_WITHIN_MS", "decode_answer", "decode_reply"}
+    names |= {*classes, "decode_answer", "decode_reply"}
     names |= {argument.enum for argument in sent if argument.enum}
     node = node_of(asked, CanFrame(request.id, request.data), exchange.parameters)
     node = 1 if node is None else node
     own = asked.node_bits and text.attribute(asked.node_bits.name)
     shares_ids = any(c.request and c.reply and c.request.id == c.reply.id for c in edition.commands)
-    probe = _probe(edition, node, exchange.parameters) if shares_ids else None
-    names |= {text.class_name(probe.name)} if probe else set()
+    consents = dict.fromkeys(e.consent for e in exchange.command.effects if e.consent is not Consent.NONE)
+    once = " ".join(consent.value for consent in consents if consent is not Consent.MOTION)
     return Example(
         edition=edition,
         frame=reply,
@@ -168,38 +169,8 @@ def _example(edition: Edition, exchange: WorkedExchange) -> Example:
         reply=classes[1],
         field=text.attribute(next(field.name for field in answer.layout.fields if field.name in reply.values)),
         shares_ids=shares_ids,
-        probe=f"{text.class_name(probe.name)}({f'node={node}' if probe.id.nodes is not None else ''})" if probe else "",
-    )
-
-
-def _probe(edition: Edition, node: int, assignment: Assignment) -> Message | None:
-    """The first request without fields and effects whose reply always differs from it.
-
-    None if the spec defines no effects, because then nothing is known about those of a command.
-    """
-    for command in edition.commands if edition.effects else ():
-        request, reply = command.request, command.reply
-        if request is None or reply is None or command.effects or command.from_each or not command.implemented:
-            continue
-        is_bare = not any(field.role.is_value for field in request.layout.fields)
-        if is_bare and command.available(assignment) and _differ(edition, request, reply, node):
-            return request
-    return None
-
-
-def _differ(edition: Edition, request: Message, reply: Message, node: int) -> bool:
-    """Whether no working node replies with the bytes of a request without fields."""
-    encoder = Encoder({})
-    frame = encoder.encode_raws(request, node if request.id.nodes is not None else None, {})
-    if isinstance(frame, Rejection) or reply.layout.parameter is not None:
-        return False
-    decoded = Decoder(edition).decode_as(reply, frame, {})
-    if isinstance(decoded, Rejection):
-        return True
-    fields = [field for field in decoded.variant.fields if field.role.is_value]
-    return any(
-        encoder.rejects_raw(field, decoded.raws[field.name]) or not field.type.is_plausible(decoded.values[field.name])
-        for field in fields
+        allow=', allow="motion"' if Consent.MOTION in consents else "",
+        allow_once=f', allow="{once}"' if once else "",
     )
 
 

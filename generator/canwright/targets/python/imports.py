@@ -13,6 +13,7 @@ _RUNTIME = {
         *(
             "ArrayType",
             "Bound",
+            "ClientFacts",
             "Counter",
             "DigitsType",
             "EnumType",
@@ -23,8 +24,7 @@ _RUNTIME = {
             "Number",
             "Real",
         ),
-        "OptionalNumber",
-        "TextType",
+        *("OptionalInteger", "OptionalNumber", "TextType"),
         *("ToAll", "ToNode", "check_choice", "check_number", "checksum", "constant", "crc_of", "join"),
         *("merge", "missing", "new", "sum_of", "whole", "wrong_message", "xor_of"),
     ),

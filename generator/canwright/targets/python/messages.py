@@ -11,7 +11,7 @@ from ...model.edition import Edition
 from ...model.layout import NodeRole, Space
 from ...model.message import Command, Direction, Message
 from ...model.types import Parameter
-from . import code, docstrings, encoding, text, types
+from . import client_facts, code, docstrings, encoding, text, types
 from .class_bodies import BodyView, ClassBodies, storage
 from .encoding import EncodeView
 
@@ -107,6 +107,7 @@ class MessageViews:
     """The classes of all messages of an edition: `layouts` before the `messages` that inherit from them."""
 
     def __init__(self, edition: Edition, bodies: ClassBodies) -> None:
+        self._edition = edition
         self._bodies = bodies
         messages = edition.all_messages()
         shared = _shared(messages)
@@ -126,7 +127,8 @@ class MessageViews:
 
     def _message(self, command: Command, message: Message) -> MessageView:
         group, name, has_body = _group(message), text.class_name(message.name), _has_body(message)
-        has_metadata = message.direction is Direction.REQUEST or command.request is None
+        is_request = message.direction is Direction.REQUEST
+        has_metadata = is_request or command.request is None
         occasions = message.sending.occasions if message.sending else ()
         return MessageView(
             message=message,
@@ -141,7 +143,10 @@ class MessageViews:
             encode=self._encode(message) if has_body and group not in self._encoding_bases else None,
             confusions=tuple(encoding.confusion_views(message)),
             sent=code.tuple_of((text.literal(o.value) for o in occasions), "SENT = "),
-            metadata=tuple(_class_attributes(command, self._bodies.parameters)) if has_metadata else (),
+            metadata=(
+                *(_class_attributes(command, self._bodies.parameters) if has_metadata else ()),
+                *(client_facts.class_attributes(self._edition, command) if is_request else ()),
+            ),
         )
 
     def _base_classes(self, command: Command, message: Message) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from ...model.edition import Edition
 from ...model.message import Direction
 from ..base import header
-from . import code, docstrings, routes, text
+from . import client_facts, code, docstrings, routes, text
 from .checksums import Checksums
 from .class_bodies import ClassBodies
 from .imports import PUBLIC, Imports
@@ -15,7 +15,7 @@ from .messages import MessageViews
 from .runtime._codec import Message
 from .types import parameter_view, type_views
 
-SHARED = ("_codec.py", "_dispatch.py", "nodes.py", "python_can.py")
+SHARED = ("_codec.py", "_dispatch.py", "client.py", "client_asyncio.py", "exchange.py", "nodes.py", "python_can.py")
 """The modules of the runtime that are copied into the package of each family."""
 
 CONSTANTS = (
@@ -23,8 +23,8 @@ CONSTANTS = (
     *("AnyReply", "AnyRequest", "Parameters"),
 )
 FUNCTIONS = (
-    *("check_reply", "decode_answer", "decode_reply", "decode_request"),
-    *("has_node_in_data", "ids_of", "node_bits_of", "node_of"),
+    *("check_reply", "client_facts", "decode_answer", "decode_reply", "decode_request"),
+    *("has_node_in_data", "ids_of", "node_bits_of", "node_of", "share_a_reply"),
 )
 
 
@@ -70,6 +70,7 @@ def module_view(edition: Edition) -> dict[str, object]:
         "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
         "answers": list(routes.answer_views(edition, readers)),
         "nodes_in_data": list(routes.node_readers(edition, readers)),
+        "client_facts": client_facts.view(edition),
         "slow_replies": edition.slow_replies,
         "reply_within_ms": None if edition.bus.reply_within_ms is None else float(edition.bus.reply_within_ms),
         "request_classes": routes.decoded_classes(edition, Direction.REQUEST),

@@ -59,7 +59,8 @@ def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) ->
         if type_.no_values:
             names = (f"{text.literal(n.name)}: ({n.raws[0]}, {n.raws[-1]})" for n in type_.no_values)
             of_numbers = code.call(kind, _arguments(type_, parameters, imports))
-            declaration = code.call(imports.use("OptionalNumber"), (of_numbers, code.dict_of(names)), f"{constant} = ")
+            optional = imports.use("OptionalInteger" if type_.is_plain else "OptionalNumber")
+            declaration = code.call(optional, (of_numbers, code.dict_of(names)), f"{constant} = ")
     return TypeView(
         constant=constant,
         declaration=declaration,

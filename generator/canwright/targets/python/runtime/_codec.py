@@ -651,7 +651,7 @@ class OptionalNumber(FieldType):
         """The name for which a raw integer has no value; None for a number."""
         return next((name for name, (first, last) in self.no_values.items() if first <= raw <= last), None)
 
-    def value(self, raw: int, parameters: object, field: str) -> Any:
+    def value(self, raw: int, parameters: object, field: str) -> float | None:
         """The value of a raw integer; None without one. Raises CodecError as that of the number does."""
         return self.number.value(raw, parameters, field) if self.no_value(raw) is None else None
 
@@ -675,6 +675,16 @@ class OptionalNumber(FieldType):
     def raw_range(self, parameters: object) -> tuple[int, int]:
         """The range of raw integers with a value."""
         return self.number.raw_range(parameters)
+
+
+class OptionalInteger(OptionalNumber):
+    """The same of an integer, whose value is its raw integer."""
+
+    __slots__ = ()
+
+    def value(self, raw: int, parameters: object, field: str) -> int | None:
+        """The raw integer itself; None without a value."""
+        return raw if self.no_value(raw) is None else None
 
 
 class Counter(NamedTuple):
@@ -929,11 +939,23 @@ class Message:
     TIMEOUT_MS: ClassVar[float | None] = None
     """The silence that the receiver treats as a failure."""
     TITLE: ClassVar[str] = ""
-    """The title of the command. This and the next four are set on requests, and on replies without a request."""
+    """The title of the command. This and the next are set on requests, and on replies without a request."""
     MANUAL: ClassVar[str] = ""
     """The manual's section."""
     EFFECTS: ClassVar[tuple[str, ...]] = ()
     """The effects of sending it besides its reply."""
+    EXEMPT: ClassVar[Mapping[str, Mapping[int, tuple[str, ...]]]] = {}
+    """By field and raw integer, the effects that do not occur with this value."""
+    REPEAT: ClassVar[bool | None] = None
+    """Whether it can be sent again if no reply came; None if that follows from the effects."""
+    REPLIES: ClassVar[int] = 1
+    """The number of frames that answer a request, at most."""
+    REPLIERS: ClassVar[tuple[int, ...]] = ()
+    """The nodes that reply one by one; empty if the node of the request replies."""
+    DIFFERS: ClassVar[bool] = False
+    """Of a read: whether the frame of its reply always differs from that of the request."""
+    REPLY_WITHIN_MS: ClassVar[float | None] = None
+    """The longest time to its reply, if that of the edition does not apply."""
     LIMITED_BY: ClassVar[tuple[str, ...]] = ()
     """The settings of the host that limit it."""
     ONLY: ClassVar[Mapping[str, tuple[object, ...]]] = {}
@@ -1204,6 +1226,19 @@ class Request(Message, Generic[R]):
     """A frame from host to node; `R` is its reply."""
 
     __slots__ = ()
+
+
+class ClientFacts(NamedTuple):
+    """What a client knows of an edition besides its frames."""
+
+    effects: Mapping[str, tuple[str, str, bool]]
+    """Title and consent of each effect, and whether a command with it can be sent again."""
+    reads: tuple[type[Request[Any]], ...]
+    """Requests without values and effects, each with one reply from its node."""
+    ends_motion: Mapping[str, type[Request[Any]]]
+    """The requests that `stop` a node and `switch_off` one."""
+    answers_in_order: bool
+    """Whether a node answers in the order of the requests; False if that is unknown."""
 
 
 class Reply(Message):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
-from ._codec import CodecError, Message, Refusal
+from ._codec import ClientFacts, CodecError, Message, Refusal
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -21,6 +21,17 @@ class Edition(Protocol[Q, A]):
 
     @property
     def EDITION(self) -> str: ...  # noqa: N802
+
+    @property
+    def REPLY_WITHIN_MS(self) -> float | None: ...  # noqa: N802
+
+    @property
+    def client_facts(self) -> ClientFacts: ...
+
+    @property
+    def decode_answer(self) -> Any: ...
+
+    def share_a_reply(self, one: type[Message], other: type[Message]) -> bool: ...
 
     @property
     def UNKNOWN(self) -> Any: ...  # noqa: N802

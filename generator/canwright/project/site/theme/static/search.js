@@ -8,16 +8,24 @@ const CHINESE = /[\u3400-\u9fff]/u;
 /** A number directly before its unit, as `0.01rpm` or `500kbps`, but no hexadecimal number. */
 const QUANTITY = /(?<![\w.])(\d+(?:\.\d+)?)(?=[a-zµ°]{1,6}(?![\w]))(?![a-fh]\b|x)/giu;
 
+/** The `s` of `limits`, not of `bus`, `loss` or `rps`. */
+const PLURAL = /(?<=\b[a-z]{2,}[a-rtv-z])s\b/gu;
+/** The ending of `calibrated`, `calibration` or `braking`. */
+const ENDING = /(?<=[a-z]{4})(?:ing|ion|ed|e)$/u;
+
+/** Where `maxLevel` has two words, but not `mA`. */
+const CAMEL = /(?<=[a-z]{2})(?=[A-Z])/gu;
+
 /** What headings of manuals add in parentheses. */
 const REMARK = /(?<=\S)\s*[（(][^（()）]{8,}[)）]/gu;
 
 /** How much a match in an item of a kind is worth; exact matches are compared by it, too. */
-const WEIGHTS = { command: 1, type: 0.8, entry: 0.97, id: 0.95, page: 0.9, question: 0.9, heading: 0.88, mode: 0.75, effect: 0.7, field: 0.7, value: 0.65, table: 0.6, erratum: 0.45, parameter: 0.55, setting: 0.5, state: 0.5 };
+const WEIGHTS = { command: 1, type: 0.8, entry: 0.9, id: 0.95, page: 0.9, question: 0.9, heading: 0.88, mode: 0.75, effect: 0.7, field: 0.7, value: 0.65, table: 0.6, erratum: 0.45, parameter: 0.55, setting: 0.5, state: 0.5 };
 /** For an item that is the whole query: the type of a field comes before the commands that have it. */
 const WHOLE = { heading: 0, type: 0.99 };
 const ABOUT = 0.3;
 const EXACT = 10;
-const SYNONYM = 0.9;
+const SYNONYM = 0.85;
 const TYPO = 0.6;
 /** For a page whose items contain the terms, each another one. */
 const SCATTERED = 0.85;
@@ -26,22 +34,22 @@ const STOP = 0.05;
 /** A page whose score is below this share of the best one is no hit. */
 const LEAST = 0.4;
 
-/** Lower case, with single spaces; also between Chinese and Latin text, which people write with and without one. */
-const normalized = text => text.normalize("NFKC").toLowerCase().replace(BOUNDARY, " ").replace(SEPARATORS, " ").trim();
+/** Lower case and singular, with single spaces; also between Chinese and Latin text, which people write with and without one. */
+const normalized = text => text.normalize("NFKC").toLowerCase().replace(BOUNDARY, " ").replace(SEPARATORS, " ").replace(PLURAL, "").replace(/\bthe /gu, "").trim();
 
 /** `maxLevel` as `maxlevel` and `max level`, `over_voltage` as `over voltage` and `overvoltage`. */
-const spellings = name => [name, name.replace(/(?<=[a-z])(?=[A-Z])/gu, " "), name.replace(/(?<=[a-z])[-_](?=[a-z])/giu, "")].map(normalized);
+const spellings = name => [name, name.replace(CAMEL, " "), name.replace(/(?<=[a-z])[-_](?=[a-z])/giu, "")].map(normalized);
 
 /** How well a text contains a term: 1 for an equal text, 0 for none. */
 function quality(term, text) {
   if (term === text) { return 1; }
   const isChinese = CHINESE.test(term);
-  if (!text.includes(term)) { return isChinese ? 0.6 * pairsIn(term, text) : 0; }
   const share = term.length / text.length / 10;
   const spaced = ` ${text} `;
-  if (isChinese || spaced.includes(` ${term} `)) { return (text.startsWith(term) ? 0.8 : 0.7) + share; }
-  if (spaced.includes(` ${term}`) && term.length > 1) { return 0.5 + share; }
-  return term.length > 2 ? 0.3 + share : 0;
+  if ((isChinese && term.length > 1 ? text : spaced).includes(isChinese && term.length > 1 ? term : ` ${term} `)) { return (text.startsWith(term) ? 0.76 : 0.7) + share; }
+  if (isChinese) { return 0.6 * pairsIn(term, text); }
+  if (term.length < 3) { return 0; }
+  return spaced.includes(` ${term.replace(ENDING, "")}`) ? 0.5 + share : text.includes(term) ? 0.3 + share : 0;
 }
 
 /** The share of pairs of neighbouring Chinese characters that a text contains, if it is most of them. */
@@ -69,8 +77,8 @@ function distance(word, other, most) {
 
 /** A frame as programs print it: the id, if any, and the data bytes; null for other text. */
 function pastedFrame(text) {
-  const bytes = text.trim().toLowerCase().replace(/^\(\d+\.\d+\)\s*|^can\d\s+/gu, "");
-  const frame = bytes.match(/^(?:(?:0x)?([0-9a-f]{3,8})\s*(?:#|\s)\s*(?:\[\d+\]\s*)?)?((?:(?:0x)?[0-9a-f]{2}[\s,.…]*)+)$/u);
+  const bytes = text.normalize("NFKC").toLowerCase().replace(/^\(\d+\.\d+\)|\b(?:can\d|id|data|dlc|len|[rt]x)\b|标识符|数据|帧|[:=,]/gu, " ").trim();
+  const frame = bytes.match(/^(?:(?:0x)?([0-9a-f]{3,8})\s*(?:#|\s)\s*(?:\[\d+\]\s*|\d\s+)?)?((?:(?:0x)?[0-9a-f]{2}[\s,.…]*)+)$/u);
   if (!frame) { return null; }
   const data = frame[2].replace(/0x|[^0-9a-f]/gu, "").match(/../gu);
   return (frame[1] && (text.includes("#") || data.length > 1)) || data.length > 2 ? { id: frame[1], data } : null;
@@ -113,6 +121,8 @@ function createSearch(index, language) {
       }
     }
   }
+  const isRepeated = (item, own) => item.kind === "heading" && own.some(({ kind, texts }) => kind !== "heading" && texts.includes(item.texts[0]));
+  for (const found of documents.values()) { found.items = found.items.filter(item => !isRepeated(item, found.items)); }
   const items = [...new Set([...documents.values()].flatMap(({ items: own }) => own))];
   const vocabulary = new Set([...groups.flat(), ...items.flatMap(({ texts, about }) => [...texts, ...about])].flatMap(text => text.split(" ")).filter(word => /^[a-z]{4,}$/u.test(word)));
   const names = new Map(index.editions.map(edition => [edition.folder, edition.name]));
@@ -163,11 +173,18 @@ function createSearch(index, language) {
     return end;
   }
 
+  /** Chinese words as long as a term or longer by a character: synonyms, and parts of titles for terms of three and more. */
+  function neighbours(term) {
+    const parts = [...new Set(items.flatMap(({ texts }) => texts).filter(text => CHINESE.test(text)))].flatMap(text => [0, 1].flatMap(more => [...text].map((_, i) => text.slice(i, i + term.length + more))));
+    return new Set([...groups.flat().filter(word => word[0] === term[0]), ...(term.length > 2 ? parts : [])].filter(word => word.length >= term.length && CHINESE.test(word)));
+  }
+
   /** The term with the words of the pages that differ from it by a typo, if no page has it. */
   function corrected(term) {
     const most = term.word.length > 7 ? 2 : 1;
-    if (!/^[a-z]{4,}$/u.test(term.word)) { return term; }
-    const near = [...vocabulary].map(word => ({ word, far: distance(term.word, word, most) })).filter(({ far }) => far <= most);
+    const isChinese = CHINESE.test(term.word) && term.word.length > 1;
+    if (!isChinese && !/^[a-z]{4,}$/u.test(term.word)) { return term; }
+    const near = [...(isChinese ? neighbours(term.word) : vocabulary)].map(word => ({ word, far: distance(term.word, word, most) })).filter(({ far }) => far <= most);
     const least = Math.min(...near.map(({ far }) => far));
     const same = near.filter(({ far }) => far === least).flatMap(({ word }) => [word, ...groups.filter(group => group.includes(word)).flat()]);
     return { word: term.word, same: [...new Set(same)], factor: TYPO };
@@ -195,7 +212,9 @@ function createSearch(index, language) {
 
   /** The score of an item that is what the whole query says; 0 for any other. */
   function whole(item, query) {
-    if (!query || item.kind === "question" || !(ofId(item, query) || item.texts.includes(query))) { return 0; }
+    if (!query || ["question", "effect"].includes(item.kind)) { return 0; }
+    const isType = item.kind === "type" && groups.some(group => group.includes(query) && group.some(word => item.texts.includes(word)));
+    if (!isType && !ofId(item, query) && !item.texts.includes(query)) { return 0; }
     return EXACT + (WHOLE[item.kind] ?? WEIGHTS[item.kind]);
   }
 
@@ -238,9 +257,9 @@ function createSearch(index, language) {
   function simplified(text) {
     const frame = pastedFrame(text);
     if (frame) { return frame.data[0]; }
-    const query = normalized(text.replace(REMARK, " ").replace(QUANTITY, "$1 "));
+    const query = normalized(text.replace(CAMEL, " ").replace(REMARK, " ").replace(QUANTITY, "$1 "));
     const rest = query.split(" ").filter(word => !stops.has(word)).join(" ");
-    return rest && /^(?:0x)?[0-9a-f]+h?$/u.test(rest) ? rest : query;
+    return /^(?:0x)?[0-9a-f]+h?$/u.test(rest) ? rest.replace(/^(0x.*)h$/u, "$1") : query;
   }
 
   /** The hits of a query, best first; those of `edition` before those of others that match as well. */
@@ -261,7 +280,7 @@ function createSearch(index, language) {
       const top = Math.max(...hits.map(hit => hit.score));
       const good = hits.filter(hit => hit.score >= top * 0.9);
       const best = good.find(isCurrent) ?? good.find(hit => hit.found.folder === newest) ?? good.at(-1);
-      return { best, hits, top, level: Math.floor(Math.min(top, EXACT) * 5), current: isCurrent(best) };
+      return { best, hits, top, level: Math.floor(Math.min(top, EXACT) * 5), current: edition !== "" && isCurrent(best) };
     });
     ranked.sort((a, b) => b.level - a.level || b.current - a.current || b.top - a.top || a.best.found.order - b.best.found.order);
     return ranked.map(({ best, hits }) => shown(best, hits, texts));

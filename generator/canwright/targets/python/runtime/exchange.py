@@ -1,0 +1,318 @@
+"""Requests and replies of one node, without I/O and without a clock: the rules of every client.
+
+`Line.open`, `feed` and `tick` return the call to send next, if there is one. `Line.deadline` is when to call `tick`. Times are
+seconds of any clock.
+
+One request of a node is in flight. After a missing reply the line is uncertain: that reply may still come. Before the next
+request, and before a second try, a read whose reply cannot be mistaken for an owed one has to answer. A node that answers in
+order sends nothing older after that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+Frame = tuple[int, bool, bool, bool, bytes]
+"""Id, whether it has 29 bits, whether it is a remote frame, whether it is one of CAN FD, and data."""
+
+QUIET = 50
+"""A node that owes the reply to every read is left alone for this many time-outs."""
+PAUSE = 10
+"""A node that did not answer the last MISSES calls is left alone for this many time-outs."""
+MISSES = 12
+LATER_COPY = 0.05
+"""The longest time from a reply to the copy of its request."""
+FENCES = 2
+"""The most reads that are sent to make a line certain before one request."""
+MAX_COPIES = 1 << 12
+"""The most frames that are expected to come back; more than the transmit queues of drivers contain."""
+
+NO_REPLY, UNPROVEN, SILENT, NOT_SENT, ABORTED = "no_reply", "unproven", "silent", "not_sent", "aborted"
+
+
+@dataclass(eq=False)
+class Call:
+    """A request to send: its frame, and what finds its reply in a frame or returns None."""
+
+    key: Any
+    """What identifies its reply: calls with the same key have the same reply."""
+    frame: Frame
+    accept: Callable[[Frame], Any]
+    timeout: float
+    replies: int = 1
+    """The number of frames that answer it, at most."""
+    is_read: bool = False
+    """Whether it changes nothing in the node."""
+    differs: bool = False
+    """Whether its reply never equals its frame."""
+
+
+@dataclass
+class Counters:
+    """What happened on a bus since it was opened."""
+
+    sent: int = 0
+    answered: int = 0
+    missing: int = 0
+    """Requests and reads without a reply in time."""
+    late: int = 0
+    """Frames that came after their time-out, or that do not answer the open request."""
+    early: int = 0
+    """Replies that came sooner than two frames last."""
+    foreign: int = 0
+    """Frames of a node that owes none: those of another host, or duplicates."""
+    unproven: int = 0
+    """Frames that equal their request although it is unknown whether the bus returns own frames."""
+    errors: int = 0
+    """Error frames."""
+    overruns: int = 0
+    """Periods of `every` that were missed."""
+
+
+@dataclass
+class Copies:
+    """The frames that a bus returns to their sender."""
+
+    returned: bool | None = None
+    """Whether it returns them; None if that is unknown."""
+    expected: list[Frame] = field(default_factory=list)
+
+    def add(self, frame: Frame) -> None:
+        """A frame is sent."""
+        if self.returned is not False and len(self.expected) < MAX_COPIES:
+            self.expected.append(frame)
+
+    def take(self, frame: Frame) -> bool:
+        """Whether a frame is a copy that was expected; each counts once."""
+        if frame in self.expected:
+            self.expected.remove(frame)
+            return True
+        return False
+
+    def learn(self, *, returned: bool) -> None:
+        self.returned = returned
+        if not returned:
+            self.expected.clear()
+
+
+class Line:
+    """The exchanges with one node.
+
+    `reads` are harmless. `alike` returns for two keys whether a frame can be the reply to both. `shares_ids` is True if
+    requests and replies have the same ids. `timeout` is the usual one, `floor` the shortest time from a request to its reply.
+    `claims` takes a frame that no request waits for, and returns whether the node sends such frames without a request.
+    """
+
+    def __init__(
+        self,
+        reads: Sequence[Call],
+        alike: Callable[[Any, Any], bool],
+        copies: Copies,
+        counters: Counters,
+        *,
+        shares_ids: bool,
+        in_order: bool,
+        timeout: float,
+        floor: float = 0.0,
+        claims: Callable[[Frame], bool] = lambda frame: False,
+    ) -> None:
+        self.floor = floor
+        self._timeout = timeout
+        self._claims = claims
+        self._misses = 0
+        self._is_sent = False
+        """Whether the open request was sent."""
+        self.deadline = math.inf
+        self.call: Call | None = None
+        """The open request; None if there is none, or if the line is only made certain."""
+        self.is_open = False
+        self.replies: list[Any] = []
+        self.failure = ""
+        self.is_certain = False
+        """Whether no older reply can come. It is unknown what an earlier program sent."""
+        self._reads = reads
+        self._alike = alike
+        self._copies = copies
+        self._counters = counters
+        self._shares_ids = shares_ids
+        self._in_order = in_order
+        self._owed: dict[Any, None] = {}
+        self._current: Call | None = None
+        """The call whose reply is awaited: the open request, or a read before it."""
+        self._sent_at = 0.0
+        self._equal = 0
+        self._tries = self._fences = 0
+        self._quiet_until = -math.inf
+
+    def open(self, call: Call | None, now: float, tries: int = 1, *, at_once: bool = False) -> Call | None:
+        """Starts a request; without one, the line is made certain. `at_once` sends it on an uncertain line, too."""
+        assert not self.is_open, "one request in flight for each node"
+        self.call, self.replies, self.failure, self.is_open = call, [], "", True
+        self._tries, self._fences, self._is_sent = tries, FENCES, False
+        if at_once or (self.is_certain and not self._needs_proof()):
+            return self._request(now)
+        return self._make_certain(now)
+
+    def feed(self, frame: Frame, now: float) -> Call | None:
+        """A frame that may come from this node."""
+        if self._shares_ids and self._copies.take(frame):
+            if self._copies.returned is None:
+                self._equal += 1
+            return None
+        if self._current is None or now < self._sent_at + self.floor:
+            self._unexpected(frame, now)
+            return None
+        if self._shares_ids and self._copies.returned is None and frame == self._current.frame:
+            self._equal += 1
+            return None
+        reply = self._current.accept(frame)
+        if reply is None:
+            if not self._claims(frame):
+                self._counters.late += 1
+            return None
+        self._counters.answered += 1
+        self._misses = 0
+        current = self._current
+        if current is not self.call:
+            return self._answered_read(now)
+        self.replies.append(reply)
+        if len(self.replies) < current.replies:
+            return None
+        if current.is_read and (not self.is_certain or self._needs_proof()):
+            return self._answered_read(now)
+        self._close()
+        return None
+
+    def tick(self, now: float) -> Call | None:
+        """The deadline is reached."""
+        current = self._current
+        if current is None:  # the time in which a copy of the read can come is over
+            return self._proved(now)
+        self._counters.missing += 1
+        self._misses += 1
+        if self._misses >= MISSES:
+            self._rest(now, PAUSE)
+        self._lose(current, now)
+        if current is not self.call:
+            return self._make_certain(now)
+        if self.replies:
+            self._close()
+        elif self._equal and self._copies.returned is None:
+            self._counters.unproven += 1
+            self._close(UNPROVEN)
+        elif self._tries:
+            return self._make_certain(now)
+        else:
+            self._close(NO_REPLY)
+        return None
+
+    def not_sent(self) -> None:
+        """The call that was returned last could not be sent."""
+        if self._current is not None:
+            self._copies.take(self._current.frame)
+        self._counters.sent -= 1
+        self._close(NOT_SENT)
+
+    def abort(self, now: float) -> None:
+        """Ends the open request; its reply may still come."""
+        if self._current is not None:
+            self._lose(self._current, now)
+        self._close(ABORTED)
+
+    def _request(self, now: float) -> Call | None:
+        if self.call is None:
+            self._close()
+            return None
+        self._tries -= 1
+        self._is_sent = True
+        return self._send(self.call, now)
+
+    def _send(self, call: Call, now: float) -> Call:
+        self._current, self._sent_at, self.deadline, self._equal = call, now, now + call.timeout, 0
+        self._counters.sent += 1
+        if self._shares_ids:
+            self._copies.add(call.frame)
+        return call
+
+    def _needs_proof(self) -> bool:
+        """Whether a read can show if the bus returns own frames, which is unknown."""
+        return self._shares_ids and self._copies.returned is None and any(read.differs for read in self._reads)
+
+    def _make_certain(self, now: float) -> Call | None:
+        """Sends a read whose reply is not owed, or the request if it is one."""
+        if now < self._quiet_until:
+            self._close(SILENT)
+            return None
+        if not self._in_order:
+            self._owed.clear()
+        if not self._reads:
+            self.is_certain = True
+            return self._request(now)
+        needs_proof = self._needs_proof()
+        own = [self.call] if self.call and self.call.is_read else []
+        usable = (read for read in (*own, *self._reads) if self._is_free(read))
+        read = next((read for read in usable if read.differs or not needs_proof), None)
+        if read is None:
+            self._owed.clear()
+            self._rest(now, QUIET)
+        elif read is self.call:
+            return self._request(now)
+        elif self._fences:
+            self._fences -= 1
+            return self._send(read, now)
+        self._close(NO_REPLY if self.call is None or self._is_sent else SILENT)
+        return None
+
+    def _is_free(self, read: Call) -> bool:
+        return not any(read.key == owed or self._alike(read.key, owed) for owed in self._owed)
+
+    def _answered_read(self, now: float) -> Call | None:
+        """A read has its reply: nothing older comes any more."""
+        self._owed.clear()
+        self.is_certain = True
+        is_proof = self._shares_ids and self._copies.returned is None and self._current and self._current.differs
+        if is_proof and not self._equal:
+            self._current, self.deadline = None, now + LATER_COPY
+            return None
+        if is_proof:
+            self._copies.learn(returned=True)
+        return self._continue(now)
+
+    def _proved(self, now: float) -> Call | None:
+        if self._copies.returned is None:
+            self._copies.learn(returned=self._equal > 0)
+        return self._continue(now)
+
+    def _continue(self, now: float) -> Call | None:
+        if self.replies:
+            self._close()
+            return None
+        return self._request(now)
+
+    def _lose(self, call: Call, now: float) -> None:
+        self._owed[call.key] = None
+        self.is_certain = False
+        if not self._in_order or not self._reads:
+            self._rest(now, QUIET)
+
+    def _rest(self, now: float, timeouts: int) -> None:
+        self._quiet_until = max(self._quiet_until, now + timeouts * self._timeout)
+
+    def _close(self, failure: str = "") -> None:
+        self.failure, self.is_open, self._current, self.deadline = failure, False, None, math.inf
+
+    def _unexpected(self, frame: Frame, now: float) -> None:
+        """A frame that no request waits for."""
+        if self._claims(frame):
+            return
+        if self._current is not None:
+            self._counters.early += 1
+        elif self._owed or not self.is_certain:
+            self._counters.late += 1
+            if now < self._quiet_until:
+                self._rest(now, QUIET)
+        else:
+            self._counters.foreign += 1
