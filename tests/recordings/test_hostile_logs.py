@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
 import lzma
+import random
 import subprocess
 import sys
+import time
 import tracemalloc
 from pathlib import Path
 
@@ -61,6 +64,7 @@ def test_headers_that_are_unusual(tmp_path: Path, text: str, seconds: float) -> 
     [
         (";$FILEVERSION=2.1\nx\n 1 1.0 DT 0141 Rx 8 9A 00 00 00 00 00 00 00\n", r"no frames \(line 3: `1 1.0 DT 0141"),
         ("Time Stamp,ID,Extended\n1,141,false\n", "names no column LEN; export it again"),
+        (SAVVYCAN.replace("Extended", "Extended?") + SAVVYCAN_FRAME, "names no column Extended; export it again"),
         (gzip.compress(gzip.compress(ASC_FRAME.encode())), "compressed log contains another compressed file, or MF4"),
         (
             lzma.compress(b"MDF     4.10"),
@@ -153,6 +157,67 @@ def test_a_truncated_mf4_is_stated_in_a_line(tmp_path: Path, kept: int) -> None:
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert result.returncode == 2
     assert len(result.stderr.splitlines()) == 1 and "has no frames" in result.stderr
+
+
+@pytest.mark.parametrize("stamp", ["9" * 20 + "e99", "1e18", "1e99", "9" * 19])
+def test_a_time_of_a_table_beyond_64_bits_is_unknown(tmp_path: Path, stamp: str) -> None:
+    (frame,), _ = _read(tmp_path, CSV + CSV_FRAME.replace("0.5", stamp))
+    assert frame.time is None
+    frames, counts = _read(tmp_path, CSV + CSV_FRAME + CSV_FRAME.replace("0.5", "9" * 300 + "e99"))
+    assert len(frames) == 1 and counts.skipped == {SkippedPart.MALFORMED: 1}
+
+
+FORMS = ["asc", "blf", "trc", "csv", "log", "savvycan", "trc2", "terminal", "utf-16", "gz"]
+
+
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(2, 200))])
+@pytest.mark.parametrize("form", FORMS)
+def test_mutants_end_soon_with_frames_or_a_sentence(tmp_path: Path, form: str, seed: int) -> None:
+    """Logs with bytes that are changed, removed, repeated or cut off."""
+    whole = _whole(tmp_path, form)
+    chance = random.Random(f"{form} {seed}")
+    for _ in range(10):
+        mutant = _mutated(whole, chance)
+        start = time.process_time()
+        with contextlib.suppress(LogError):
+            _read(tmp_path, mutant)
+        assert time.process_time() - start < 2, mutant
+
+
+def _whole(tmp_path: Path, form: str) -> bytes:
+    """A log of a form without damage."""
+    texts = {
+        "savvycan": SAVVYCAN + 9 * SAVVYCAN_FRAME,
+        "trc2": TRC2 + 9 * TRC2_FRAME,
+        "terminal": 9 * " (1.5)  can0  RX - -  141   [8]  9A 00 00 00 00 00 00 00\n",
+    }
+    if form == "utf-16":
+        return texts["savvycan"].encode(form)
+    if form == "gz":
+        return gzip.compress((ASC + 9 * ASC_FRAME).encode())
+    if form in texts:
+        return texts[form].encode()
+    file = tmp_path / f"whole.{form}"
+    with can.Logger(str(file)) as writer:
+        for number in range(9):
+            writer.on_message_received(can.Message(1e9 + number / 8, 0x141, is_extended_id=False, data=bytes(8)))
+    return file.read_bytes()
+
+
+def _mutated(whole: bytes, chance: random.Random) -> bytes:
+    content = bytearray(whole)
+    for _ in range(chance.choice([1, 1, 2, 8])):
+        start = chance.randrange(len(content) + 1)
+        end = min(len(content), start + chance.choice([0, 1, 1, 2, 8, 64]))
+        inserted = chance.choice(
+            [b"", bytes([chance.randrange(256)]), chance.choice(_PIECES), content[start:end] * 3, bytes(8)]
+        )
+        content[start:end] = inserted
+    return bytes(content[: chance.choice([len(content), chance.randrange(len(content) + 1)])])
+
+
+_PIECES = [b"\n", b"\n\n", b"-1", b"9" * 400, b"e99", b".", b",", b";", b"nan", b"\xff\xfe", b"\x1b[0m", b"\t", b"0x"]
+"""What is put into logs, where readers take numbers and the ends of cells and lines."""
 
 
 def test_what_a_log_contains_reaches_no_logger(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

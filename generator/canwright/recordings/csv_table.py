@@ -12,7 +12,7 @@ from .log_frame import Counts, LogFrame, SkippedPart, log_frame
 
 START = "timestamp,arbitration_id"
 _FRAME = re.compile(
-    r"(?P<time>\d{1,300}(?:\.\d{1,40})?(?:e[+-]?\d{1,2})?),0x(?P<id>[\da-f]{1,16}),(?P<extended>[01]),(?P<remote>[01]),"
+    r"(?P<time>\d{1,20}(?:\.\d{1,40})?(?:e[+-]?\d{1,2})?),0x(?P<id>[\da-f]{1,16}),(?P<extended>[01]),(?P<remote>[01]),"
     r"(?P<error>[01]),(?P<length>\d{1,4}),(?P<data>[\w+/]*={0,2})\s*",
     re.ASCII | re.IGNORECASE,
 )

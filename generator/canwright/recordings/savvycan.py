@@ -10,6 +10,7 @@ from .lines import frames_of, octets
 from .log_frame import Counts, LogError, LogFrame, Mark, SkippedPart, log_frame
 
 START = "Time Stamp,ID,Extended"
+_NEEDED = ("Time Stamp", "ID", "Extended", "LEN")
 _MARKS = {"rx": Mark.RECEIVED, "tx": Mark.SENT}
 _NUMBER = re.compile(r"-?\d{1,30}", re.ASCII)
 _ID = re.compile(r"(0x)?[\da-f]{1,16}", re.ASCII | re.IGNORECASE)
@@ -20,9 +21,10 @@ def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
     """The frames of the lines of a log, the first of which names the columns. Raises LogError."""
     rest = iter(lines)
     columns = {name.strip(): at for at, name in enumerate(next(rest).strip().split(","))}
-    if "LEN" not in columns:
+    missing = next((name for name in _NEEDED if name not in columns), None)
+    if missing is not None:
         raise LogError(
-            "the first line of this CSV log names no column LEN; export it again with all columns of SavvyCAN"
+            f"the first line of this CSV log names no column {missing}; export it again with all columns of SavvyCAN"
         )
     return frames_of(rest, _Table(columns).read, counts, start=2)
 
