@@ -8,6 +8,7 @@ import io
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -728,6 +729,53 @@ def test_a_row_of_a_stream_is_printed_before_the_next_frame_arrives(form: str) -
         decoding.stdin.close()
         assert "can0" in decoding.stdout.read() or form != "text"
         too_late.cancel()
+
+
+def test_a_frame_that_waits_for_later_ones_is_printed_after_a_pause() -> None:
+    """The second frame can be the echo of the first, or repeat it: the next one shows which, or that none comes."""
+    arguments = [sys.executable, "-m", "canwright", "decode", "-", "--spec", str(V2_35), "--window", "50"]
+    pipe = subprocess.PIPE
+    with subprocess.Popen([*arguments, "--format", "jsonl"], stdin=pipe, stdout=pipe, text=True) as decoding:
+        assert decoding.stdin is not None and decoding.stdout is not None
+        too_late = threading.Timer(60, decoding.kill)
+        too_late.start()
+        decoding.stdin.write("(1.00) can0 141#8000000000000000\n(1.03) can0 141#8000000000000000\n")
+        decoding.stdin.flush()
+        rows = [json.loads(decoding.stdout.readline()) for _ in range(2)]
+        assert [row["direction"] for row in rows] == ["request", "reply"]
+        decoding.stdin.close()
+        too_late.cancel()
+
+
+@pytest.mark.parametrize("followed", [False, True])
+def test_an_interrupt_ends_a_log_with_its_summary(followed: bool, tmp_path: Path) -> None:
+    file = tmp_path / "growing.log"
+    file.touch()
+    source = ["--follow", str(file)] if followed else ["-"]
+    arguments = [sys.executable, "-m", "canwright", "decode", *source, "--spec", str(V2_35), "--format", "jsonl"]
+    pipe = subprocess.PIPE
+    with (
+        subprocess.Popen(arguments, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as decoding,
+        file.open("a") as growing,
+    ):
+        assert decoding.stdin is not None and decoding.stdout is not None and decoding.stderr is not None
+        too_late = threading.Timer(60, decoding.kill)
+        too_late.start()
+        written = growing if followed else decoding.stdin
+        for data in ("A10000009B000000", "A1329B00F4010080"):
+            written.write(f"(1.0) can0 141#{data}\n")
+            written.flush()
+            assert "set_torque" in decoding.stdout.readline()
+        decoding.send_signal(signal.SIGINT)
+        assert "can0, node 1, v2.35: 1 request, 1 reply" in decoding.stderr.read()
+        assert decoding.wait() == 130
+        too_late.cancel()
+
+
+def test_what_is_followed_is_a_file() -> None:
+    for source in ("-", "141#A1"):
+        result = CliRunner().invoke(main, ["decode", source, "--follow"], input=b"")
+        assert result.exit_code == 2 and "--follow" in result.output
 
 
 def test_rows_of_a_slow_stream_do_not_wait_for_the_editions() -> None:

@@ -6,6 +6,7 @@ import contextlib
 import gzip
 import io
 import lzma
+import select
 import sys
 import time
 import zlib
@@ -18,6 +19,8 @@ from .log_frame import OVERLONG, Counts, LogError as LogError, LogFrame, Skipped
 from .packages import MissingPackageError
 
 STANDARD_INPUT = "-"
+PAUSE = 0.05
+"""The time in seconds after which a stream that has no more frames pauses."""
 _PEEKED = 4096
 _MAX_LINE = 4096
 """The maximum number of characters of a line. The longest lines of CAN FD frames have a few hundred."""
@@ -43,21 +46,24 @@ _TEXTS = {
 class Log:
     """The frames of a log, once, in their order. `counts` has what was skipped so far, and at the end the frames.
 
-    `before_wait` is called before each read of a stream, which may have to wait for the next frames; `waited` is the time
-    in seconds that these reads have taken.
+    `on_wait` is called with 0 before each read of a stream, which may have to wait for the next frames, and again at
+    each PAUSE with the time in seconds since then; `waited` is the time that these reads have taken. A log that
+    `is_followed` has no end. If it `is_ended` by the user, it ends where it is read next.
     """
 
-    def __init__(self, source: BinaryIO, name: str) -> None:
+    def __init__(self, source: BinaryIO, name: str, *, is_followed: bool = False) -> None:
         self.counts = Counts()
         self.name = name
-        self.before_wait: Callable[[], object] = lambda: None
+        self.on_wait: Callable[[float], object] = lambda _: None
         self.waited = 0.0
+        self.is_followed = is_followed
+        self.is_ended = False
         self._source = source
 
     @property
     def is_file(self) -> bool:
-        """Whether the log is a regular file, so that it can be read again by its name."""
-        return Path(self.name).is_file()
+        """Whether the log is a regular file with an end, so that it can be read again by its name."""
+        return not self.is_followed and Path(self.name).is_file()
 
     def __iter__(self) -> Iterator[LogFrame]:
         """Raises LogError and OSError."""
@@ -69,13 +75,15 @@ class Log:
                 if recorded.frame.remote:
                     self.counts.remote += 1
                 yield recorded
+                if self.is_ended:
+                    break
         except MissingPackageError as error:
             raise LogError(str(error)) from None
         except (EOFError, zlib.error, lzma.LZMAError, gzip.BadGzipFile) as error:
             self.counts.skip(SkippedPart.TRUNCATED, 0, str(error))
         finally:
             self.counts.frames = frames
-        if not self.counts.frames:
+        if not self.counts.frames and not self.is_ended:
             raise LogError(
                 f"{self.name} has no frames{_found(self.counts)}; record it with `candump -l`, or as "
                 "ASC, BLF, TRC, MF4 or CSV"
@@ -83,7 +91,7 @@ class Log:
 
 
 class _Stream(io.RawIOBase):
-    """The source of a log that announces each read."""
+    """The source of a log that announces each read, and each pause."""
 
     def __init__(self, source: BinaryIO, log: Log) -> None:
         self._source, self._log = source, log
@@ -92,22 +100,35 @@ class _Stream(io.RawIOBase):
         return True
 
     def readinto(self, buffer: Any) -> int:
-        self._log.before_wait()
-        start = time.monotonic()
-        content: bytes = self._source.read1(len(buffer))  # type: ignore[attr-defined]
-        self._log.waited += time.monotonic() - start
+        log, start, content = self._log, time.monotonic(), b""
+        log.on_wait(0)
+        while not log.is_ended:
+            if self._is_ready():
+                content = self._source.read1(len(buffer))  # type: ignore[attr-defined]
+                if content or not log.is_followed:
+                    break
+                time.sleep(PAUSE)
+            log.on_wait(time.monotonic() - start)
+        log.waited += time.monotonic() - start
         buffer[: len(content)] = content
         return len(content)
 
+    def _is_ready(self) -> bool:
+        """Whether a read does not wait; true also for what cannot be asked."""
+        try:
+            return bool(select.select([self._source], [], [], PAUSE)[0])
+        except (OSError, ValueError):
+            return True
+
 
 @contextlib.contextmanager
-def open_log(name: str) -> Iterator[Log]:
+def open_log(name: str, *, is_followed: bool = False) -> Iterator[Log]:
     """A log in a file, or in the standard input for `-`. Raises OSError."""
     if name == STANDARD_INPUT:
         yield Log(sys.stdin.buffer, "the standard input")
         return
     with Path(name).open("rb") as source:
-        yield Log(source, name)
+        yield Log(source, name, is_followed=is_followed)
 
 
 def _found(counts: Counts) -> str:
