@@ -129,7 +129,7 @@ LINES = (
         ALL,
         (
             "command clear_errors: the reply code is 0x9B (was 0x9A)",
-            "command clear_errors: accepted reply codes: none (was 0x9B)",
+            "command clear_errors: further accepted codes: none (was 0x9B)",
         ),
     ),
     Line(

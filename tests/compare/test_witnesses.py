@@ -156,8 +156,31 @@ def test_swapped_fixed_ids_are_silent(tmp_path: Path) -> None:
 def test_a_further_accepted_code_is_loud(tmp_path: Path) -> None:
     (change,) = found(tmp_path, MIXER, ("accept: [0x20, 0x22]", "accept: [0x20, 0x22, 0x77]"))
     assert (change.rule.id, change.impact) == ("accept-changed", Impact.LOUD)
-    fewer = found(tmp_path, MIXER, ("accept: [0x20, 0x22]", "accept: [0x20]"))
-    assert [(c.rule.id, c.impact) for c in fewer] == [("accept-changed", Impact.SAFE)]
+
+
+@pytest.mark.parametrize(
+    ("direction", "said"),
+    [
+        (
+            "request",
+            "101#1500000000000000: the old host sends `dim`: `level = 0 %`; the new node rejects it: unknown code",
+        ),
+        (
+            "reply",
+            "201#1500000000000000: the old host accepts it as `dim`; a host of the new edition rejects it: unknown code",
+        ),
+    ],
+)
+def test_a_removed_accepted_code_is_loud(direction: str, said: str, tmp_path: Path) -> None:
+    text = ACCEPTING.replace(direction + ": {", direction + ": {accept: [0x14, 0x15], ")
+    (change,) = found(tmp_path, text, ("[0x14, 0x15]", "[0x14]"))
+    assert (change.rule.id, change.impact, change.witnesses[0].says()) == ("accept-changed", Impact.LOUD, said)
+    assert not found(tmp_path, text, ("[0x14, 0x15]", "[0x15, 0x14]"))[0].witnesses
+
+
+def test_an_accepted_code_that_becomes_the_code_is_still_accepted(tmp_path: Path) -> None:
+    changes = found(tmp_path, MIXER, ("code: 0x21\n      accept: [0x20, 0x22]", "code: 0x20\n      accept: [0x22]"))
+    assert {change.rule.id: change.impact for change in changes}["accept-changed"] is Impact.SAFE
 
 
 def test_a_periodic_frame_that_has_to_be_requested_is_loud(tmp_path: Path) -> None:
@@ -193,6 +216,16 @@ def test_availability_for_more_nodes_is_safe_and_for_fewer_loud(tmp_path: Path) 
     assert (fewer.impact, fewer.witnesses[0].condition) == (Impact.LOUD, "size b")
 
 
+ACCEPTING = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {request: 0x100 + node, reply: 0x200 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+types: {level: {raw: u16, unit: "%", scale: 0.1}}
+commands:
+  dim: {code: 0x10, request: {layout: {level: {at: 2, type: level}}}, reply: {layout: {level: {at: 2, type: level}}}}
+"""
 ENUM = """\
 canwright: 1
 family: lamp
@@ -546,3 +579,14 @@ commands:
     (change,) = compare(edition(tmp_path, old), edition(tmp_path, new))
     assert (change.rule.id, change.impact) == ("request-changed", Impact.SILENT)
     assert change.witnesses[0].sent.startswith("00000101#")
+
+
+def test_a_name_for_nan_is_silent_for_receivers_and_its_witness_has_nan(tmp_path: Path) -> None:
+    floats = MINIMAL.replace("raw: u16", "raw: f32").replace(", raw_range: 0..1000", "")
+    changes = found(tmp_path, floats, ("scale: 0.1", "scale: 0.1, no_value: {absent: nan}"))
+    (change,) = (change for change in changes if change.rule.id == "member-added")
+    assert change.impact is Impact.SILENT
+    assert change.facts["value"] == "NaN"
+    assert change.witnesses[0].says() == (
+        "101#1000FFFFFFFF0000: the new node sends `dim`: `level = absent`; the old host reads `level = not finite`"
+    )

@@ -229,7 +229,9 @@ def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
     elif is_number and not is_float:
         yield _set((*path, "scale"), 2 if scale == 1 else 1)
     yield from _ranges(path, type_)
-    if len(type_.get("no_value", ())) > 1:
+    if is_float and "no_value" in type_:
+        yield _drop((*path, "no_value"))
+    elif len(type_.get("no_value", ())) > 1:
         yield from (_drop((*path, "no_value", name)) for name in type_["no_value"])
     for kind, key in (("enum", "value"), ("flags", "bit")):
         for member, entry in type_.get(kind, {}).items():

@@ -58,6 +58,13 @@ INVALID = [
         "12:59 value",
         "Number of data bytes",
     ),
+    ("raw_range: 0..1000", "no_value: {absent: nan}", "7:63 value", "write the raw integer, or f32 in `raw`"),
+    (
+        'raw: u16, unit: "%", scale: 0.1, raw_range: 0..1000',
+        "raw: f64, no_value: {absent: {raw: 0xFF}}",
+        "7:40 value",
+        "write absent: nan, or u or i in `raw`",
+    ),
     ("reply: echo", "reply: ehco", "13:12 unknown-reference", "did you mean `echo`?"),
     ("  dim:", "  DimLamp:", "9:3 name", "`dim_lamp`"),
     ("  dim:", "  dim-lamp:", "9:3 name", "`dim_lamp`"),

@@ -12,6 +12,7 @@ import pytest
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets.base import EditionInput
+from canwright.targets.c.expressions import raw_of
 from canwright.targets.c.names import PARTS, Names, member
 from canwright.targets.c.target import CTarget
 
@@ -116,8 +117,8 @@ def readers(item: EditionInput, include: Path, step: int) -> str:
             place = f"any.as.{member(names.short(message.command))}"
             lines.append(f"    case {names.command(message.command)}:")
             for field in fields:
-                index = "[0]" if field.is_array else ""
-                lines.append(f"        *sum += (int64_t){place}.{member(field.name)}{index};")
+                element = f"{place}.{member(field.name)}" + ("[0]" if field.is_array else "")
+                lines.append(f"        *sum += (int64_t){raw_of(field.type, element)};")
             lines.append("        return 0;")
         lines += ["    default:", "        return 2;", "    }", "}"]
     return "\n".join([*lines, ""])

@@ -16,6 +16,7 @@ from canwright.targets.c.target import CTarget
 from ..compilers import CORTEX_M0, STANDARDS, WARNINGS, ZIG, Compiler, each_compiler
 from ..spec_texts import MINIMAL, ROOT, SPECS, called, edition
 from ..tools import tool
+from .test_c_compiles import write
 
 INCLUDE = ROOT / "generated/c/include"
 LINUX = ("-target", "x86_64-linux-gnu")
@@ -87,6 +88,27 @@ NULLS = (
 )
 FLOATS = ("request.iq = 2.5;", "request.iq = 2.5f;", "speed.speed = value;")
 """Values that are assigned to raw integers."""
+FLOAT_FIELD = """
+#include <blower/v1_float.h>
+float use(float volts);
+float use(float volts)
+{
+    blower_v1_read_voltage_reply_t reply = {{0u}};
+    canwright_status_t status = CANWRIGHT_OK;
+    %s
+    return status == CANWRIGHT_OK ? blower_v1_voltage_to_float(reply.voltage) : volts;
+}
+"""
+SETS = ("status = blower_v1_voltage_from_float(&reply.voltage, volts);", "reply.voltage.bits = 0x42460000u;")
+NUMBERS = (
+    "reply.voltage = volts;",
+    "reply.voltage = 49.5f;",
+    "reply.voltage = 49;",
+    "volts = reply.voltage;",
+    "volts = blower_v1_voltage_to_float(49.5f);",
+    "status = blower_v1_voltage_from_float(&volts, 49.5f);",
+)
+"""A number in place of the bits of a field in floating point, or the other way round."""
 PARTS_OF_MESSAGES = ("_match", "_stamp", "_pack", "_unpack")
 """Parts of the functions that encode and decode. GCC merges fewer loads and passes more arguments if they are marked."""
 TAKES_NULL = ("canwright_factor",)
@@ -158,6 +180,19 @@ def rejected(compiler: Compiler, standard: str, unit: Path, warning: str) -> lis
     line_numbers = re.findall(rf"unit\.c:(\d+):\d+: error:.*{warning}", str(raised.value))
     lines = unit.read_text("utf-8").splitlines()
     return [lines[number - 1].strip() for number in sorted({int(number) for number in line_numbers})]
+
+
+@pytest.mark.parametrize("standard", STANDARDS)
+@each_compiler
+def test_a_number_in_place_of_a_float_field_does_not_compile(compiler: Compiler, standard: str, tmp_path: Path) -> None:
+    """Without the options that warn of conversions: 49.5 would be sent as 6.9e-44."""
+    include = write([specification(ROOT / "tests/specs/blower/v1.yaml")], tmp_path) / "include"
+    language = ("-x", "c++") if standard.startswith("c++") else ()
+    flags = (f"-I{include}", "-Werror=incompatible-pointer-types", *language, "-c", "-o", tmp_path / "unit.o")
+    compiler.check(standard, *WARNINGS, *flags, source(tmp_path, FLOAT_FIELD % "\n    ".join(SETS)))
+    for statement in NUMBERS:
+        with pytest.raises(AssertionError, match=r"unit\.c:8:.*error"):
+            compiler.check(standard, *flags, source(tmp_path, FLOAT_FIELD % statement))
 
 
 def test_every_function_is_marked() -> None:

@@ -139,6 +139,32 @@ torque of MS not_available
 reply of read_status_1
 """
 
+FLOAT_FIELD = """\
+#include <blower/v1.hpp>
+
+using namespace blower::v1;
+
+canwright_status_t use(const frame &received);
+canwright_status_t use(const frame &received)
+{
+    read_voltage_reply reply;
+    canwright_status_t status = decode(reply, received).why();
+    %s;
+    return reply == read_voltage_reply() && get_float(reply, field::voltage) < 1.0f ? status : CANWRIGHT_OK;
+}
+"""
+SETS = (
+    "status = set(reply, field::voltage, 49.5)",
+    "reply.voltage.bits = 0x42460000u",
+    "reply.voltage = {0x42460000u}",
+)
+NUMBERS = (
+    "reply.voltage = 49.5f",
+    "reply.voltage = 49",
+    "reply.voltage = {49.5f}",
+    "status = set(reply, field::voltage)",
+)
+
 WIDE = """\
 #include <cstdio>
 #include <lamp/v1.hpp>
@@ -203,6 +229,19 @@ def test_incorrect_calls_do_not_compile(tmp_path: Path) -> None:
     with pytest.raises(AssertionError) as raised:
         compiled(";\n    ".join(INCORRECT), ZIG, "c++17", tmp_path, "-ferror-limit=0")
     assert lines_of("(?:error|note: in instantiation)", raised.value) == {*range(FIRST, FIRST + len(INCORRECT))}
+
+
+@each_compiler
+def test_no_number_is_assigned_to_a_float_field(compiler: Compiler, tmp_path: Path) -> None:
+    include = write([specification(ROOT / "tests/specs/blower/v1.yaml")], tmp_path) / "include"
+    unit = tmp_path / "unit.cpp"
+    flags = (*STRICT, f"-I{include}", "-c", unit, "-o", tmp_path / "unit.o")
+    unit.write_text(FLOAT_FIELD % ";\n    ".join(SETS), "utf-8")
+    compiler.check("c++17", *flags)
+    for statement in NUMBERS:
+        unit.write_text(FLOAT_FIELD % statement, "utf-8")
+        with pytest.raises(AssertionError, match="error"):
+            compiler.check("c++17", *flags)
 
 
 @each_compiler

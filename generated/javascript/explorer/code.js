@@ -23,7 +23,8 @@ canwright.code = (() => {
     if (encoding === "signed") {
       return BigInt(raw) === -(2n ** 63n) ? "(-INT64_C(9223372036854775807) - 1)" : `INT64_C(${raw})`;
     }
-    return width <= 32 ? `${raw}u` : `UINT64_C(${raw})`;
+    const unsigned = width <= 32 ? `${raw}u` : `UINT64_C(${raw})`;
+    return encoding === "float" ? `{${unsigned}}` : unsigned; // the bits of a float are in a struct
   }
 
   /** The parameters that a program can name, each with its value. */

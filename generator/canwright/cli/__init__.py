@@ -24,6 +24,7 @@ COMMANDS = {
     "decode": ("decode", "Decode a log, or explain one frame."),
     "diff": ("diff", "Show what changed from OLD to NEW, and who is affected."),
     "editions": ("diff", "List the editions: family, name, date, commands, title."),
+    "encode": ("encode", "Print the frame of a COMMAND, ready for cansend, and what it means."),
     "explain": ("explain", "Explain a RULE by example, or the meaning of a KEY."),
     "frames": ("frames", "Print an entry for each request and reply of SPEC without a golden frame."),
     "generate": ("generate", "Write the bindings and documents of the specs."),
@@ -47,6 +48,7 @@ HELP = """Usage: canwright [OPTIONS] COMMAND [ARGS]...
     canwright copy OLD NEW                          start a new edition
     canwright copy FAMILY/EDITION                   copy an edition of the package
     canwright decode LOG                            decode a log, both directions
+    canwright encode COMMAND FIELD=VALUE            print the frame of a command
     canwright diff OLD NEW                          show changes between editions and who is affected
     canwright identify LOG                          identify the edition of recorded frames
     canwright editions                              list the editions

@@ -19,12 +19,11 @@ from ..model.layout import ChecksumRole, CounterRole, Field, Layout, ReservedRol
 from ..model.message import Command, EchoReply, IdRule, Message, OtherReply, SharedReply
 from ..model.metadata import Consent, FrameFormat, Level, Repeat
 from ..semantics.dispatch import node_of_id
-from ..targets.base import EditionInput
 
 _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"}
 
 
-def find(specifications: Sequence[EditionInput], wanted: str) -> tuple[list[tuple[Edition, Command]], str]:
+def find(editions: Sequence[Edition], wanted: str) -> tuple[list[tuple[Edition, Command]], str]:
     """The commands of this name, code or fixed CAN id in every edition, and a hint if there are none.
 
     The name of a command with a table finds all its forms.
@@ -33,7 +32,7 @@ def find(specifications: Sequence[EditionInput], wanted: str) -> tuple[list[tupl
         number = int(wanted, 0)
     except ValueError:
         number = None
-    pairs = [(d.edition, c) for d in specifications for c in d.edition.commands]
+    pairs = [(edition, command) for edition in editions for command in edition.commands]
     matching = [
         (e, c) for e, c in pairs if wanted in (c.name, c.spec_name) or (number is not None and _has_number(c, number))
     ]
@@ -205,5 +204,5 @@ def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
         return "counter", f"{field.role.first}..{field.role.last}"
     scale = "\n".join(f"{step} ({names})" if names else step for names, step in formatting.scale(type_, among))
     limits = [f"{limits} ({names})" if names else limits for names, limits in formatting.ranges(type_)]
-    limits += [f"{formatting.raws(no_value.raws)} {no_value.name}" for no_value in type_.no_values]
+    limits += [f"{formatting.no_value(no_value)} {no_value.name}" for no_value in type_.no_values]
     return scale, "\n".join(limits)

@@ -26,15 +26,15 @@ def explanation(editions: Iterable[Edition], frame: CanFrame, assignment: Assign
             if meaning.rejection is not None:
                 refused.setdefault(f"no {meaning.direction.value}: {meaning.rejection.text}", []).append(edition)
             else:
-                named.setdefault(_text(meaning), []).append(edition)
+                named.setdefault(meaning_text(meaning), []).append(edition)
                 is_usual = is_usual or not meaning.unusual
     lines = [f"{sent(frame)}\n"]
     for text, having in named.items():
         head, _, table = text.partition("\n")
-        lines.append(f"\n{head}\n  in {_names(having)}\n{table}")
+        lines.append(f"\n{head}\n  in {edition_names(having)}\n{table}")
     if refused:
         lines.append("\n")
-    lines += [f"{text}\n  in {_names(having)}\n" for text, having in refused.items()]
+    lines += [f"{text}\n  in {edition_names(having)}\n" for text, having in refused.items()]
     return "".join(lines), is_usual
 
 
@@ -46,17 +46,19 @@ def golden_entries(editions: Iterable[Edition], frame: CanFrame, assignment: Ass
             text = meaning.message and golden_text(edition, meaning.message, frame, assignment)
             if text:
                 having_text.setdefault(text, []).append(edition)
-    return "".join(f"  # {_names(having)}\n{text}" for text, having in having_text.items())
+    return "".join(f"  # {edition_names(having)}\n{text}" for text, having in having_text.items())
 
 
-def _names(editions: Sequence[Edition]) -> str:
+def edition_names(editions: Sequence[Edition]) -> str:
+    """`lamp v1, v2; pump v1`."""
     families: dict[str, list[str]] = {}
     for edition in editions:
         families.setdefault(edition.family, []).append(edition.name)
     return "; ".join(f"{family} {', '.join(dict.fromkeys(names))}" for family, names in families.items())
 
 
-def _text(meaning: Meaning) -> str:
+def meaning_text(meaning: Meaning) -> str:
+    """A message, what is unusual about it, and below them the table of its fields."""
     assert meaning.message is not None
     way = "to" if meaning.direction is Direction.REQUEST else "from"
     node = "" if meaning.node is None else f" {way} node {meaning.node}"

@@ -34,7 +34,7 @@ def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) ->
         if not specifications:
             hint = nearest(edition, names) or "run `canwright editions` for a list"
             stop(f"there is no edition `{edition}`; {hint}")
-    pairs, hint = find(specifications, command)
+    pairs, hint = find([item.edition for item in specifications], command)
     if not pairs:
         stop(f"there is no command `{command}`; {hint}")
     for i, (item, shown) in enumerate(pairs):

@@ -51,7 +51,7 @@ _WIRE = (
         "the command uses {new} (was {old})",
     ),
     ("reply-code-changed", "A reply has a different code.", "the reply code is {new} (was {old})"),
-    ("accept-changed", "A reply is accepted with different codes.", "accepted reply codes: {new} (was {old})"),
+    ("accept-changed", "A message is accepted with different codes.", "further accepted codes: {new} (was {old})"),
     ("reply-form-changed", "A reply has a different form.", "the reply form is `{new}` (was `{old}`)"),
     ("request-changed", "The request of a command is added or removed.", "the request is `{new}` (was `{old}`)"),
     ("repliers-changed", "Different nodes reply.", "replies come from {new} (was {old})"),

@@ -242,4 +242,4 @@ def _members(type_: Subject, name: str, old: tuple[Member, ...], new: tuple[Memb
 
 def _raws(member: Member) -> str:
     """The raw integer of a member, its bit, or its raw integers."""
-    return formatting.raws(member.raws) if isinstance(member, NoValue) else str(member.value)
+    return formatting.no_value(member) if isinstance(member, NoValue) else str(member.value)

@@ -160,17 +160,14 @@ def metadata(annotation: Any, kind: type[T]) -> T | None:
     return next((item for item in reversed(getattr(annotation, "__metadata__", ())) if isinstance(item, kind)), None)
 
 
-def parts(value: object, path: DocumentPath = ()) -> Iterator[tuple[DocumentPath, object]]:
-    """A decoded value and all values in it, with their paths."""
-    waiting: list[tuple[DocumentPath, object]] = [(path, value)]
+def parts(value: object) -> Iterator[tuple[DocumentPath, object]]:
+    """A decoded concept, and the concepts, mappings and lists in it, with their paths."""
+    waiting: list[tuple[DocumentPath, object]] = [((), value)]
     while waiting:
         path, value = waiting.pop()
         yield path, value
-        items: Iterable[tuple[str | int, object]] = ()
-        if dataclasses.is_dataclass(value):
-            items = ((key.name, getattr(value, key.name)) for key in dataclasses.fields(value))
-        elif isinstance(value, Mapping):
-            items = value.items()
-        elif isinstance(value, list):
-            items = enumerate(value)
-        waiting += [((*path, step), part) for step, part in items][::-1]
+        items: Iterable[tuple[str | int, object]]
+        items = (
+            enumerate(value) if isinstance(value, list) else (value if isinstance(value, dict) else vars(value)).items()
+        )
+        waiting += [((*path, step), part) for step, part in items if isinstance(part, Concept | dict | list)][::-1]

@@ -158,8 +158,10 @@ def span(text: str) -> Range:
     return result
 
 
-def raw_integers(text: str) -> range:
-    """A raw integer `0xFF`, or a range of them with both ends `0xFF00..0xFFFF`."""
+def raw_integers(text: str) -> range | Literal["nan"]:
+    """A raw integer `0xFF`, a range of them with both ends `0xFF00..0xFFFF`, or `nan` of a float."""
+    if text == "nan":
+        return "nan"
     if not re.fullmatch(RAW_INTEGERS_PATTERN, text.replace(" ", "")):
         raise ValueError(
             f"`{text}` is not a raw integer or a range of them; write, for example, 0xFF or 0xFF00..0xFFFF"

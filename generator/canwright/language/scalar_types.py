@@ -57,13 +57,17 @@ Span = Annotated[
     Ref("parameter"),
 ]
 RawIntegers = Annotated[
-    range,
+    range | Literal["nan"],
     _written(
         notation.raw_integers,
         "0xFF or 0xFF00..0xFFFF",
         {
-            "anyOf": [{"type": "integer"}, {"type": "string", "pattern": notation.RAW_INTEGERS_PATTERN}],
-            "examples": [255, "0xFF00..0xFFFF", -32768],
+            "anyOf": [
+                {"type": "integer"},
+                {"type": "string", "pattern": notation.RAW_INTEGERS_PATTERN},
+                {"const": "nan"},
+            ],
+            "examples": [255, "0xFF00..0xFFFF", -32768, "nan"],
         },
     ),
 ]

@@ -121,7 +121,7 @@ class FlagSpec(Description):
 class NoValueSpec(Description):
     """A name for raw integers that are not a number."""
 
-    raw: Annotated[RawIntegers, Doc("The raw integer, or the range of raw integers.")]
+    raw: Annotated[RawIntegers, Doc("The raw integer, the range of raw integers, or `nan` of a float.")]
     renamed_from: RenamedFrom = None
     deprecated: Deprecated = None
 
@@ -202,11 +202,12 @@ class TypeSpec(Description):
         Annotated[dict[Name, NamedRaws], Limits(min_length=1)] | None,
         Doc(
             "Named raw integers of a number that mean that there is no value: a raw integer, a range, or a mapping with a "
-            "title. Ranges do not apply to them. Without a name, an encoder writes the last raw integer of the first one.",
+            "title; of a float, `nan`. Ranges do not apply to them. Without a name, an encoder writes the last raw integer of the first one.",
             examples=(
                 {"not_available": 0xFF, "error": 0xFE},
                 {"not_available": "0xFF00..0xFFFF"},
                 {"invalid": {"raw": -32768, "title": "Not calibrated"}},
+                {"not_available": "nan"},
             ),
         ),
     ] = None
@@ -227,6 +228,7 @@ class TypeSpec(Description):
         if self.raw_range is not None and self.raw[0] is Encoding.FLOAT:
             text = "`raw_range` is in raw integers, but this is a float"
             yield Problem(("raw_range",), "two-ranges", text, "write `range`")
+        yield from self._no_value_problems()
         if self.scale != "none":
             return
         for key in ("offset", "plausible"):
@@ -236,3 +238,15 @@ class TypeSpec(Description):
         if self.range is not None:
             text = "`range` is in the unit, but there is no scale"
             yield Problem(("range",), "two-ranges", text, "write `raw_range` in raw integers")
+
+    def _no_value_problems(self) -> Iterable[Problem]:
+        """Of floats, `no_value` names NaN; of all other types, raw integers."""
+        is_float = self.raw[0] is Encoding.FLOAT
+        for name, written in (self.no_value or {}).items():
+            is_nan = (written.raw if isinstance(written, NoValueSpec) else written) == "nan"
+            if is_float and not is_nan:
+                text = "this type is a float, of which only NaN can have a name"
+                yield Problem(("no_value", name), "value", text, f"write {name}: nan, or u or i in `raw`", key=False)
+            elif is_nan and not is_float:
+                text = "only a float has NaN, but this type has integers"
+                yield Problem(("no_value", name), "value", text, "write the raw integer, or f32 in `raw`", key=False)

@@ -12,7 +12,7 @@ from .layout import ChecksumRole, Field, FieldRole, ParameterRole, Segment, Spac
 from .message import Command, FrameSequence, IdRule, Key
 from .metadata import Effect, FrameFormat
 from .sending import Occasion, Sending
-from .types import PI, Assignment, Bound, Encoding, Linear, Order, Parameter, Range, Text, Type
+from .types import PI, Assignment, Bound, Encoding, Linear, NoValue, Order, Parameter, Range, Text, Type
 
 MAX_DIGITS = 24
 """So many characters of a number are read before it is rounded."""
@@ -54,6 +54,11 @@ def raws(listed: range) -> str:
     """A raw integer or a range of them in the notation of constants: `0xFF`, `0xFF00..0xFFFF`."""
     ends = dict.fromkeys((listed[0], listed[-1]))
     return "..".join(map(constant, ends) if listed[0] >= 0 else map(str, ends))
+
+
+def no_value(named: NoValue) -> str:
+    """The raw integers of a name for no value: `0xFF`, `0xFF00..0xFFFF`, `NaN`."""
+    return "NaN" if named.is_nan else raws(named.raws)
 
 
 def decimal(number: Fraction) -> str:

@@ -252,9 +252,17 @@ class Member:
 
 @dataclass(frozen=True, kw_only=True)
 class NoValue(Member):
-    """A name for raw integers of a number that mean that there is no value; an encoder writes `value`, the last one."""
+    """A name for raw integers of a number that mean that there is no value; an encoder writes `value`, the last one.
+
+    If it `is_nan`, it is the name for NaN of a float, and `raws` are the bit patterns without the sign.
+    """
 
     raws: range
+    is_nan: bool
+
+    def has(self, raw: int) -> bool:
+        """Whether a raw integer has this name; NaN has it with either sign."""
+        return raw in self.raws or (self.is_nan and raw - self.raws.stop in self.raws)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -305,7 +313,7 @@ class Type:
 
     def no_value(self, raw: int) -> NoValue | None:
         """Why a raw integer has no value; None if it is a number."""
-        return next((no_value for no_value in self.no_values if raw in no_value.raws), None)
+        return next((no_value for no_value in self.no_values if no_value.has(raw)), None)
 
     @property
     def is_number(self) -> bool:

@@ -51,9 +51,14 @@ def golden_text(edition: Edition, message: Message, frame: CanFrame, assignment:
 
 def _is_written_otherwise(decoded: Decoded, encoder: Encoder) -> bool:
     """Whether a text or a name is sent as other raw integers: bytes follow the end of a text, or a name has a range of them."""
-    fields = {field.name: field for field in decoded.variant.fields}
-    texts = ((fields[name], value) for name, value in decoded.values.items() if isinstance(value, str))
-    return any(encoder.field_raw(field, text) != decoded.raws[field.name] for field, text in texts)
+    for field in (field for field in decoded.variant.fields if field.name in decoded.values):
+        value, raw = decoded.values[field.name], decoded.raws[field.name]
+        if isinstance(value, str) and encoder.field_raw(field, value) != raw:
+            return True
+        elements = zip(value, raw, strict=True) if isinstance(value, list) and isinstance(raw, list) else ()
+        if any(isinstance(name, str) and encoder.nearest_raw(field, name) != there for name, there in elements):
+            return True
+    return False
 
 
 def skeleton_text(edition: Edition, message: Message, assignment: Assignment, source: str) -> str | None:

@@ -99,7 +99,7 @@ class _TypeResolver:
             joined=joined,
             enum=tuple(self._member(*member) for member in (spec.enum or {}).items()),
             flags=tuple(self._member(*flag) for flag in (spec.flags or {}).items()),
-            no_values=tuple(self._no_value(*no_value) for no_value in (spec.no_value or {}).items()),
+            no_values=tuple(self._no_value(width, *no_value) for no_value in (spec.no_value or {}).items()),
             plausible=self._plausible(spec, linear),
             title=titled(spec.title, name),
             about=spec.about,
@@ -131,15 +131,19 @@ class _TypeResolver:
             about=written.about,
         )
 
-    def _no_value(self, name: str, written: range | schema.NoValueSpec) -> NoValue:
+    def _no_value(self, width: int, name: str, written: range | Literal["nan"] | schema.NoValueSpec) -> NoValue:
         spec = written if isinstance(written, schema.NoValueSpec) else None
-        raws = written if isinstance(written, range) else written.raw
+        raws = written.raw if isinstance(written, schema.NoValueSpec) else written
+        is_nan = raws == "nan"
+        if raws == "nan":
+            raws = range(INFINITY[width] + 1, 1 << width - 1)
         return NoValue(
             name=name,
             renamed_from=spec.renamed_from if spec else None,
             deprecated=deprecation(spec.deprecated) if spec else None,
             value=raws[-1],
             raws=raws,
+            is_nan=is_nan,
             without_effects=(),
             title=titled(spec.title, name) if spec else implied_title(name, self.edition.languages),
             about=spec.about if spec else dict.fromkeys(self.edition.languages, ""),
@@ -295,6 +299,10 @@ class _TypeResolver:
     def _need_numbers(self, at: DocumentPath, limits: Range | None) -> None:
         for name in dict.fromkeys((limits.low.parameter, limits.high.parameter) if limits else ()):
             self._need_number(at, name)
+
+
+INFINITY = {32: 0xFF << 23, 64: 0x7FF << 52}
+"""The bit pattern of infinity by width; those above, without the sign, are NaN."""
 
 
 def _none_or(value: Literal["none"] | T) -> T | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..model import formatting
-from ..model.types import Encoding, Type
+from ..model.types import Type
 from ..semantics.valid_raws import RawInterval, valid_raws, width_limits
 from .rule import CheckInput, Finding, Findings
 
@@ -16,9 +16,6 @@ def check(subject: CheckInput) -> Findings:
         if type_.no_values and type_.joined is not None:
             text = "`no_value` is for integers, but this type is a text or has decimal digits"
             yield Finding((*type_.path, "no_value"), text, "remove it, or write u or i in `raw`", key=True)
-        elif type_.no_values and type_.encoding is Encoding.FLOAT:
-            text = "`no_value` is for integers, but this type is a float"
-            yield Finding((*type_.path, "no_value"), text, "remove it; infinity and NaN are rejected anyway", key=True)
         elif type_.is_number:
             yield from _names(type_)
 

@@ -134,7 +134,7 @@ def _allows(type_: Type, valid: ValidRaws, mask: int, value: int) -> bool:
     if isinstance(valid, FlagBits):
         return not value & ~valid.mask
     if isinstance(valid, FiniteFloats):
-        return mask != every or is_finite(type_, value)
+        return mask != every or is_finite(type_, value) or type_.no_value(value) is not None
     spans = [range(valid.low, valid.high + 1), *valid.no_values]
     top = 1 << type_.width - 1 if type_.encoding is Encoding.SIGNED else 0
     """Added to a raw integer, so that their order is that of their bits."""

@@ -156,6 +156,8 @@ class Encoder:
         if isinstance(raw, list):
             each = (self.rejects_raw(field, element) for element in raw)
             return _wrong_count(field, len(raw)) or next(filter(None, each), None)
+        if field.type.no_value(raw):
+            return None
         if field.type.encoding is Encoding.FLOAT and not is_finite(field.type, raw):
             return Rejection(Refusal.NOT_FINITE, f"raw {raw} is no finite number in `{field.name}`", field.name)
         if field.type not in self._allows:
@@ -231,10 +233,7 @@ class Encoder:
                 return lambda raw: low <= raw <= high
             ends = self._end(valid.scaled.low), self._end(valid.scaled.high)
             return lambda raw: low <= raw <= high and _has_value_within(value_of(type_, raw, self.assignment), *ends)
-        is_number = self._within(valid)
-        if not valid.no_values:
-            return is_number
-        return lambda raw: is_number(raw) or any(raw in raws for raws in valid.no_values)
+        return self._within(valid)
 
     def _within(self, valid: RawInterval) -> Callable[[int], bool]:
         """Whether a raw integer is a number within an interval."""

@@ -53,7 +53,10 @@ class RawInterval:
 
 @dataclass(frozen=True)
 class FiniteFloats:
-    """The bit patterns of finite floats whose value in the unit is in `scaled`; of all finite floats if it is None."""
+    """The bit patterns of finite floats whose value in the unit is in `scaled`; of all finite floats if it is None.
+
+    Those of NaN are valid, too, if the type has a name for it.
+    """
 
     scaled: Range | None
 

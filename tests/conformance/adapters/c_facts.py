@@ -29,7 +29,7 @@ from canwright.targets.c.names import Names, layouts
 from ...float_rule import nearest_integer
 from ...verification.floating import DOUBLE, SINGLE, bits_of, is_finite, number_of
 from ..adapter import Parameters, Refused, assignment
-from .c_signatures import functions
+from .c_signatures import Stored, functions
 from .reference import as_double
 
 TEMPLATE = Path(__file__).with_name("c_facts.c.j2")
@@ -139,9 +139,11 @@ class Facts:
                     "kind": match["kind"],
                     "name": match["stem"],
                     "call": function.call(ARGUMENTS),
-                    "type": next(
-                        t for p, t in zip(function.parameters, function.types, strict=True) if p in _RAW
-                    ).rstrip(" *"),
+                    "stored": Stored(
+                        next(t for p, t in zip(function.parameters, function.types, strict=True) if p in _RAW).rstrip(
+                            " *"
+                        )
+                    ),
                     "signed": self._types[match["stem"]].encoding is Encoding.SIGNED,
                 }
 
@@ -334,7 +336,7 @@ class Facts:
             return
         if kind in ("no_value", "has_value"):
             for raw in self._raws(Encoder({}), type_):
-                named = next((n.name for n in type_.no_values if n.raws[0] <= raw <= n.raws[-1]), "NULL")
+                named = next((n.name for n in type_.no_values if n.has(raw)), "NULL")
                 yield Fact(kind, stem, {}, (str(raw),), named if kind == "no_value" else str(int(named == "NULL")))
             return
         for parameters in self.assignments(*type_.parameters, *type_.numbers):

@@ -16,7 +16,7 @@ from canwright.model.types import Encoding, Type
 from canwright.targets.c.names import PARTS, Names, layouts, member
 
 from .c_facts import Facts
-from .c_signatures import Function, functions
+from .c_signatures import Function, Stored, functions
 
 TEMPLATE = Path(__file__).with_name("c_harness.c.j2")
 
@@ -145,7 +145,11 @@ class _Harness:
             "name": field.name,
             "member": member(field.name),
             "places": [f"[{i}]" for i in range(len(field.elements))] if field.is_array else [""],
-            "kind": f"{'' if signed else 'u'}int{width}_t",
+            "stored": Stored(
+                f"canwright_float{width}_t"
+                if type_.encoding is Encoding.FLOAT
+                else f"{'' if signed else 'u'}int{width}_t"
+            ),
             "signed": signed,
             "joined": None
             if joined is None
@@ -169,7 +173,7 @@ class _Harness:
         arguments = {number: number, "raw": "raw", "parameters": "known"}
         return {
             "name": type_.name,
-            "kind": to.types[to.parameters.index("raw")],
+            "stored": Stored(to.types[to.parameters.index("raw")]),
             "signed": type_.encoding is Encoding.SIGNED,
             "number_kind": from_.types[from_.parameters.index(number)],
             "to": to.call(arguments),

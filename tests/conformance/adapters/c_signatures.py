@@ -26,6 +26,22 @@ class Function:
         return f"{self.name}({', '.join(given)})"
 
 
+@dataclass(frozen=True)
+class Stored:
+    """The type of a raw integer in C: `integer`, or the struct `kind`, whose member `bits` is one."""
+
+    kind: str
+
+    @property
+    def bits(self) -> str:
+        """What follows a variable."""
+        return ".bits" if self.kind.startswith("canwright_float") else ""
+
+    @property
+    def integer(self) -> str:
+        return self.kind.replace("canwright_float", "uint")
+
+
 @functools.cache
 def functions(header: str) -> Mapping[str, Function]:
     """The functions of a header by name."""

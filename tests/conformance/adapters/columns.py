@@ -13,7 +13,7 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
-from canwright.model.types import NO_PARAMETERS
+from canwright.model.types import NO_PARAMETERS, Encoding
 from canwright.targets.base import EditionInput
 from canwright.targets.columns.target import TARGET, package_name
 from canwright.targets.columns.view import columns_of, constant_name
@@ -104,14 +104,18 @@ class ColumnsAdapter(DecodeOnlyAdapter):
             return [float(element) for element in value]
         return None if math.isnan(value) else float(value)
 
-    def _value_or_name(self, field: Field, value: Any, raw: Any) -> Value:
+    def _value_or_name(self, field: Field, value: Any, raw: Any) -> Any:
         """The value of a number, or the name of its raw integers; values without a scale are None."""
         named = getattr(self._module, constant_name(field.type)).no_value_names(raw)[0].tolist()
         if not isinstance(named, list):
-            assert value is None or math.isnan(value) is bool(named)
-            return named or (None if value is None else float(value))
-        assert value is None or [math.isnan(each) for each in value] == [bool(name) for name in named]
-        return [name or each for name, each in zip(named, value or [None] * len(named), strict=True)]
+            return self._named(field, value, named)
+        values = value or [None] * len(named)
+        return [self._named(field, each, name) for name, each in zip(named, values, strict=True)]
+
+    def _named(self, field: Field, value: Any, name: str) -> float | str | None:
+        is_infinite = field.type.encoding is Encoding.FLOAT and not name
+        assert value is None or is_infinite or math.isnan(value) is bool(name)
+        return name or (None if value is None or math.isnan(value) else float(value))
 
     def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
         raise Cannot("exchanges")

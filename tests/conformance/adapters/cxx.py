@@ -19,6 +19,7 @@ from canwright.targets.c.view import edition_view
 from ...compilers import SANITIZED, WARNINGS, ZIG
 from ..adapter import write_files
 from .c import CAdapter
+from .c_signatures import Stored
 
 TEMPLATE = Path(__file__).with_name("cxx_harness.cpp.j2")
 FLAGS = ("-O0", "-g0", "-fno-exceptions", "-fno-rtti", *SANITIZED)
@@ -79,7 +80,7 @@ def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:
         "name": field.name,
         "tag": view.tag.name,
         "member": view.member,
-        "kind": type_.view.kind,
+        "stored": Stored(type_.view.kind),
         "signed": field.type.encoding is Encoding.SIGNED,
         "length": view.length,
         "places": [(f"[{i}]", f", {i}u") for i in range(view.length)] or [("", "")],

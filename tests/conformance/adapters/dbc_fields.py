@@ -73,6 +73,8 @@ class Cell:
 
     def put_raw(self, data: Data, raw: int, parameters: Mapping[str, object]) -> Refused | None:
         if self.field.type.encoding is Encoding.FLOAT:
+            if self.field.type.no_value(raw):
+                raise Cannot("not_finite")
             data[self.signal.name] = float_of(self.field.type.width, raw)
             return None
         if self.field.type.no_value(raw):
@@ -103,6 +105,8 @@ class Cell:
                 data[signal.name] = int(flag in names)
             flags = {flag for _, _, flag in self.signals}
             return None if flags.issuperset(names) else Refused(Refusal.OUT_OF_RANGE, self.field.name)
+        if type_.encoding is Encoding.FLOAT and value in [named.name for named in type_.no_values]:
+            raise Cannot("not_finite")
         if type_.enum or value in [named.name for named in type_.no_values]:
             data[self.signal.name] = str(value)
             known = {str(choice) for choice in (self.signal.choices or {}).values()}

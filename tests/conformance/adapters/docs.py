@@ -179,7 +179,8 @@ class DocsAdapter(Adapter):
 
     def _no_value(self, row: FieldRow, raw: int) -> str | None:
         """The name for which a raw integer has no value."""
-        return next((name for name, raws in self._no_values.get(row.type, {}).items() if raw in raws), None)
+        is_nan = row.raw[0] == "f" and math.isnan(_float(row, raw))
+        return next((n for n, raws in self._no_values.get(row.type, {}).items() if raw in raws or is_nan), None)
 
     def _scale(self, row: FieldRow, parameters: Parameters) -> Scale | Refused:
         case = self._case(row.scales, parameters)
@@ -244,8 +245,9 @@ class DocsAdapter(Adapter):
             given = raw[row.name] if row.constant is None else row.constant
             integer = given[seen.get(row.name, 0)] if isinstance(given, list) else given
             seen[row.name] = seen.get(row.name, 0) + 1
-            if row.constant is None and not self._allowed(row, integer, parameters):
-                return Refused(Refusal.OUT_OF_RANGE, row.name)
+            refusal = self._refusal(row, integer, parameters) if row.constant is None else None
+            if refusal is not None:
+                return Refused(refusal, row.name)
             parts.append((row.bits, integer))
         if any(row.is_parameter for row in rows):
             return Refused(Refusal.MISSING_PARAMETER)
@@ -260,6 +262,12 @@ class DocsAdapter(Adapter):
         if means_another(self.message_of(direction, command), encoded):
             raise Cannot("confusion")
         return encoded
+
+    def _refusal(self, row: FieldRow, raw: int, parameters: Parameters) -> Refusal | None:
+        is_float = row.raw[0] == "f" and self._no_value(row, raw) is None
+        if is_float and not math.isfinite(_float(row, raw)):
+            return Refusal.NOT_FINITE
+        return None if self._allowed(row, raw, parameters) else Refusal.OUT_OF_RANGE
 
     def _allowed(self, row: FieldRow, raw: int, parameters: Parameters) -> bool:
         width = int(row.raw[1:].split()[0])
@@ -321,7 +329,7 @@ class DocsAdapter(Adapter):
             return sum(1 << names[str(n)] for n in value) if isinstance(value, list) else names[value]
         named = self._no_values.get(row.type, {})
         if isinstance(value, str) and value in named:
-            return named[value][-1]
+            return (1 << int(row.raw[1:].split()[0]) - 1) - 1 if row.raw[0] == "f" else named[value][-1]
         scale = self._scale(row, parameters)
         if isinstance(scale, Refused):
             return scale
@@ -378,7 +386,9 @@ class DocsAdapter(Adapter):
 
 
 def _integers(text: str) -> range:
-    """`0xFE00..0xFEFF` or one of them."""
+    """`0xFE00..0xFEFF` or one of them; none for NaN."""
+    if text == "NaN":
+        return range(0)
     first, _, last = text.partition("..")
     return range(int(first, 0), int(last or first, 0) + 1)
 

@@ -6,12 +6,14 @@ the other edition is also tried with the correct id, and fields are compared as 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.message import Command, Direction, IdRule, Message
+from ...model.refusal import Refusal
 from ...model.types import Assignment
 from ...semantics.decoder import Decoder, Identified, Rejection, rejects_checked
 from ...semantics.encoder import Encoder
@@ -74,6 +76,14 @@ class _Trial(NamedTuple):
     is_of_id: bool = False
 
 
+class _Outcome(NamedTuple):
+    """What the receiver makes of a frame: it takes it for a message, perhaps of another node, or rejects it for a reason."""
+
+    known: Message | None = None
+    node: int | None = None
+    refusal: Refusal | None = None
+
+
 class ExchangeSimulation:
     """Observes both directions between an old host and a new node, whose commands are `matched`."""
 
@@ -129,12 +139,27 @@ class ExchangeSimulation:
                 yield from self._of_other_form(case, new.reply, old.reply)
                 return
             yield from self._identified(case, new.reply, old.reply)
+            yield from self._no_longer_accepted(case, old.reply, new.reply)
             if old.request is not None and new.request is not None:
                 yield from self._answers(case, old.request, old.reply, new.reply)
                 yield from self._others(case, old, new)
             is_echoed = old.is_echoed and new.is_echoed  # then it has the constants of the old host
             read = self._read(case, new.reply, old.reply)
             yield from (witness for witness in read if not (is_echoed and witness.impact is Impact.LOUD))
+
+    def _no_longer_accepted(self, case: _Case, old: Message, new: Message) -> Iterator[Witness]:
+        """A reply with a further code that hosts of the new edition reject."""
+        encoder, host = self._assignments.encoder(), self._decoders[Side.RECEIVING][0]
+        node = self._common_node(old, new)
+        frames = itertools.islice(Sender(encoder, old, node).samples(), 1)
+        for reply in (candidates.with_first_key(old, frame, code) for frame in frames for code in old.accepted_codes):
+            placed = _moved(reply, old.id, new.id, node)
+            judged = None if placed is None else host.decode_as(new, placed, encoder.assignment)
+            if isinstance(judged, Rejection) and judged.reason is Refusal.UNKNOWN_CODE:
+                facts = {"sent": f"`{old.command}`", "reason": _reason(judged.reason.value)}
+                of_identity = (*paths.of_identity(case.both[0], old), *paths.of_identity(case.both[1], new))
+                yield self._made(case, "received-dropped", reply, facts, concerned=of_identity, exists=placed == reply)
+                return
 
     def _others(self, case: _Case, old: Command, new: Command) -> Iterator[Witness]:
         """The replies besides the first that the old host does not know, and those for which it waits in vain."""
@@ -248,14 +273,17 @@ class ExchangeSimulation:
             for known in (assignment, *self._with_other_ranges(assignment, sent)):
                 transfer = _Transfer(case, sent, read, known, self._assignments.encoder(known))
                 for trial in self._frames(transfer):
-                    witness = self._outcome(transfer, trial)
-                    if witness is not None:
-                        kind = (trial.is_of_id, witness.impact, witness.commands)
-                        if kind not in seen:
-                            seen.add(kind)
-                            yield witness
-                            if not trial.is_of_id:
-                                yield from self._answer_of_another(transfer, witness)
+                    outcome = self._outcome(transfer, trial)
+                    if outcome is None:
+                        continue
+                    further = self._further(case, outcome)
+                    kind = (trial.is_of_id, outcome.refusal is None, self._groups(case, further))
+                    if kind not in seen:
+                        seen.add(kind)
+                        witness = self._witness(transfer, trial, outcome)
+                        yield witness
+                        if not trial.is_of_id:
+                            yield from self._answer_of_another(transfer, witness)
 
     def _with_other_ranges(self, assignment: Assignment, sent: Message) -> Iterator[Assignment]:
         """`assignment` with other values of the parameters that ranges of the fields of a message depend on."""
@@ -318,7 +346,7 @@ class ExchangeSimulation:
                     continue
                 if sender.sends(decoder, original):
                     yield _Trial(common, candidate, exists=candidate == original)
-                    for code in () if transfer.is_request else sent.accepted_codes:
+                    for code in sent.accepted_codes:
                         accepted = candidates.with_first_key(sent, candidate, code)
                         yield _Trial(common, accepted, exists=candidate == original)
         if read is not None and read.id != sent.id:
@@ -327,42 +355,49 @@ class ExchangeSimulation:
                 if base is not None:
                     yield _Trial(node, base, is_of_id=True)
 
-    def _outcome(self, transfer: _Transfer, trial: _Trial) -> Witness | None:
+    def _outcome(self, transfer: _Transfer, trial: _Trial) -> _Outcome | None:
         """What the receiver makes of a frame; None if it is the expected message of the same node."""
-        case, sent, read, assignment, encoder = transfer
+        case, sent, read, _, encoder = transfer
         node, frame, receiver = trial.node, trial.frame, self._decoders[case.side][1]
         result = receiver.identify(sent.direction, frame)
-        facts: dict[str, SentenceArgument] = {"sent": self._sent(transfer, trial)}
         if isinstance(result, Identified):
             if result.message in self._expected(transfer, frame):
                 if node is None or result.node is None or node == result.node:
                     return None
-                facts = {"sent": (f"`{sent.command}`, ", Keyword("node"), f" {node}")}
-                facts["read"] = (Keyword("node"), f" {result.node}")
-            elif (
+                return _Outcome(result.message, result.node)
+            if (
                 read is not None
                 and not transfer.is_request
                 and not isinstance(receiver.decode_as(read, frame, encoder.assignment), Rejection)
             ):  # it takes the same frame of an old node for another message, too
                 return None
-            else:
-                wrong = rejects_checked(result.message, frame, encoder.assignment)
-                if wrong is None:
-                    facts["read"] = _whole(result.message, encoder, frame)
-                else:
-                    result = wrong
-        if isinstance(result, Rejection):
-            if read is None and not transfer.is_request:
-                return None
-            facts["reason"], about, known, further = _reason(result.reason.value), "rejected", None, []
-        else:
-            about, known = "read", result.message
-            further = [self._editions[case.side][1].command(known.command)]
+            wrong = rejects_checked(result.message, frame, encoder.assignment)
+            if wrong is None:
+                return _Outcome(result.message)
+            result = wrong
+        if read is None and not transfer.is_request:
+            return None
+        return _Outcome(refusal=result.reason)
+
+    def _further(self, case: _Case, outcome: _Outcome) -> list[Command]:
+        """The command of the message for which the receiver takes a frame."""
+        return [] if outcome.known is None else [self._editions[case.side][1].command(outcome.known.command)]
+
+    def _witness(self, transfer: _Transfer, trial: _Trial, outcome: _Outcome) -> Witness:
+        """The witness of a frame that is not the expected message of the same node."""
+        (case, sent, _, assignment, encoder), (known, node, refusal) = transfer, outcome
+        facts: dict[str, SentenceArgument] = {"sent": self._sent(transfer, trial)}
+        if node is not None:
+            facts["sent"] = (f"`{sent.command}`, ", Keyword("node"), f" {trial.node}")
+            facts["read"] = (Keyword("node"), f" {node}")
+        elif known is not None:
+            facts["read"] = _whole(known, encoder, trial.frame)
+        elif refusal is not None:
+            facts["reason"] = _reason(refusal.value)
+        about = sentence(case.side, "read" if refusal is None else "rejected")
         stated = _stated(assignment, encoder, *filter(None, (sent, known)))
-        of_frame = self._of_frame(transfer, trial, known)
-        return self._made(
-            case, sentence(case.side, about), frame, facts, stated, of_frame, further, exists=trial.exists
-        )
+        of_frame, further = self._of_frame(transfer, trial, known), self._further(case, outcome)
+        return self._made(case, about, trial.frame, facts, stated, of_frame, further, exists=trial.exists)
 
     def _of_frame(self, transfer: _Transfer, trial: _Trial, known: Message | None) -> Iterator[DocumentPath]:
         """What decides which message a frame is, which is sent and expected as some messages, and `known` as another."""

@@ -24,6 +24,7 @@ SENTENCES: Mapping[str, str] = {
     "received-rejected": "the new node sends {sent}; the old host rejects it: {reason}",
     "received-unset": "the new node does not send `{name}`; the old host reads {read}",
     "received-missing": "the old host expects {read}; the new node sends it only on request",
+    "received-dropped": "the old host accepts it as {sent}; a host of the new edition rejects it: {reason}",
     "received-removed": "the old host expects {read}; the new node does not send it",
 }
 """The sentences about witnesses, with names of facts in braces."""

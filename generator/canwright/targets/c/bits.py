@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ...model.layout import ChecksumRole, Field, FixedRole, Segment, Space
 from ...model.message import BitRun, Confusion, Key
-from .expressions import Integer, integer, joined, operand, smallest, working
+from .expressions import Integer, integer, joined, operand, raw_of, smallest, working
 
 
 def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") -> str:
@@ -156,7 +156,7 @@ def _id_bits(field: Field, members: Mapping[str, str], values: Mapping[str, str]
 def _member(field: Field, members: Mapping[str, str], values: Mapping[str, str], number: int) -> str:
     if field.name in values:
         return f"({integer(field.type).name}){values[field.name]}"
-    return f"message->{members[field.name]}" + (f"[{number}]" if field.is_array else "")
+    return raw_of(field.type, f"message->{members[field.name]}" + (f"[{number}]" if field.is_array else ""))
 
 
 def _piece_of(number: str, kind: Integer, s: Segment, *, is_masked: bool = True) -> str:

@@ -233,7 +233,7 @@ def factor(linear: Linear) -> str:
         return ""
     above, below = factors(linear.times)
     names = [*above, *[""] * (2 - len(above)), *below, *[""] * (1 - len(below))]
-    return call("canwright_factor", *(f"&{parameter_access(name)}" if name else "NULL" for name in names))
+    return call("canwright_factor", "&factor", *(f"&{parameter_access(name)}" if name else "NULL" for name in names))
 
 
 def _to_milli(m: _Milli, kind: Integer, raw: Integer, ends: tuple[int, int]) -> str:

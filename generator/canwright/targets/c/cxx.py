@@ -78,6 +78,16 @@ class TypeTraits:
     flags: str
 
     @property
+    def integer(self) -> str:
+        """The raw integer; for a float, the struct of C with its bits."""
+        return f"::{'' if self.view.is_float else 'std::'}{self.view.kind}"
+
+    @property
+    def member(self) -> str:
+        """A member, which takes no number in floating point."""
+        return self.integer if self.view.is_float else f"::canwright::raw<{self.integer}>"
+
+    @property
     def conversions(self) -> list[Conversion]:
         view = self.view
         names = {"float": "single", "double": "value", "milli": "milli"} if not (self.named or self.flags) else {}

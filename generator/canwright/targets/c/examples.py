@@ -17,7 +17,7 @@ from ...semantics.plan import value_fields
 from ..base import EditionInput, WorkedExchange
 from ..examples import Examples
 from .choices import parameter_literal
-from .expressions import call, integer
+from .expressions import call, integer, raw_of, stored_literal
 from .layouts import initializer, literals
 from .messages import MessageView
 from .names import member
@@ -28,10 +28,14 @@ COMMANDS = 4
 
 
 class ShownView(NamedTuple):
-    """A field or an element of an array, and how it is printed: as name or value of `type_`, else as bits."""
+    """A field or an element of an array, and how it is printed: as name or value of `type_`, else as bits.
+
+    `raw` is the integer in the member.
+    """
 
     label: str
     member: str
+    raw: str
     variable: str
     type_: TypeView
 
@@ -156,7 +160,7 @@ def _side(view: EditionView, message: Message, golden: GoldenFrame, known: Assig
         initializers=tuple(f".{member(f.name)} = {initializer(f, texts.values())}" for f, texts in numbers),
         assignments=tuple(f".{number} = {text}" for _, texts in numbers for number, text in texts.items()),
         shown=tuple(
-            ShownView(label, number, f"value_{place}{field.name}", view.type(field.type))
+            ShownView(label, number, raw_of(field.type, number), f"value_{place}{field.name}", view.type(field.type))
             for field, texts in numbers
             for label, number, place in _labels(field, texts)
         ),
@@ -219,9 +223,12 @@ def command_example(edition: Edition, worked: WorkedExchange) -> CommandExampleV
 
 def _named_initializer(e: EditionView, field: Field, raw: RawValue) -> str:
     """The initializer of raw integers, with the names of an enum, and flags in hexadecimal."""
-    stem, kind = e.names.type_stem(field.type), integer(field.type)
+    stem = e.names.type_stem(field.type)
     names = {m.value: e.names.upper(stem, m.name) for m in reversed(field.type.enum)}
-    written = kind.bits if field.type.flags else kind.literal
+
+    def written(number: int) -> str:
+        return integer(field.type).bits(number) if field.type.flags else stored_literal(field.type, number)
+
     texts = (names.get(number) or written(number) for number in (raw if isinstance(raw, list) else [raw]))
     return f".{member(field.name)} = {initializer(field, texts)}"
 

@@ -88,6 +88,21 @@ def integer(type_: Type) -> Integer:
     return smallest(type_.width, type_.encoding is Encoding.SIGNED)
 
 
+def stored(type_: Type) -> str:
+    """The C type of a member: an integer; for a float, a struct with its bits, to which no number converts."""
+    return f"canwright_float{type_.width}_t" if type_.encoding is Encoding.FLOAT else integer(type_).name
+
+
+def raw_of(type_: Type, item: str) -> str:
+    """The raw integer of a member or of an argument that has the type of one."""
+    return f"{item}.bits" if type_.encoding is Encoding.FLOAT else item
+
+
+def stored_literal(type_: Type, raw: int) -> str:
+    """The initializer of a member."""
+    return f"{{{integer(type_).bits(raw)}}}" if type_.encoding is Encoding.FLOAT else integer(type_).literal(raw)
+
+
 def working(width: int) -> Integer:
     """The C type for shifts: wide enough on every platform."""
     return UINT32 if width <= 32 else UINT64

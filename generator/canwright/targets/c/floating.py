@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice
 from .conversions import ABOVE, BELOW, ConversionView, Formula, by_scale, factor, has_value_function, nearest, ratio
-from .expressions import INT64, UINT64, Integer, common, integer, joined, operand
+from .expressions import INT64, UINT64, Integer, common, integer, joined, operand, stored
 from .names import Names
 from .validity import Condition, constant_limits, has_constant_limits
 
@@ -83,25 +83,23 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
         to=by_scale(names, type_, to),
         to_fails=type_.linear.parameter is not None or bool(type_.times or type_.no_values),
         from_=by_scale(names, type_, from_),
-        wide=_wide(type_).name,
+        wide=stored(type_) if is_float else _wide(type_).name,
         check=valid if is_float or not has_constant_limits(type_) else None,
         has_value=has_value_function(names, type_),
     )
 
 
 def _wide(type_: Type) -> Integer:
-    """The type of the nearest raw integer; for floats, of their bits."""
-    if type_.encoding is Encoding.FLOAT:
-        return integer(type_)
+    """The type of the nearest raw integer."""
     return common(*integer(type_).limits) or UINT64
 
 
 def _value(linear: Linear, type_: Type, format_: Format) -> str:
     """The value: one operation for each factor and offset, without those that change nothing."""
     if type_.encoding is Encoding.FLOAT:
-        raw = f"canwright_float_of_bits{'' if type_.width == 32 else '64'}(raw)"
+        raw = f"canwright_float_of_bits{'' if type_.width == 32 else '64'}(raw.bits)"
         if format_ is DOUBLE:
-            raw = f"(double){raw}" if type_.width == 32 else "canwright_double_of_bits(raw)"
+            raw = f"(double){raw}" if type_.width == 32 else "canwright_double_of_bits(raw.bits)"
         return _scaled(raw, linear, format_)
     raw = f"({format_.name})raw"
     factor, addend, divisor = linear.as_quotient
@@ -212,7 +210,7 @@ def _nearest(linear: Linear, type_: Type, format_: Format) -> str:
     steps = f"{operand(steps)} * {format_.literal(below)}" if below != 1 else steps
     steps = f"{operand(steps)} / {format_.literal(above)}" if above != 1 else steps
     if type_.encoding is Encoding.FLOAT:
-        return f"canwright_bits{type_.width}_from_{format_.name}(&nearest, value, {steps})"
+        return f"canwright_bits{type_.width}_from_{format_.name}(&nearest.bits, value, {steps})"
     wide = _wide(type_)
     limits = constant_limits(type_)
     ends = ", ".join(wide.literal(end) for end in limits)

@@ -16,10 +16,11 @@ from ...semantics.plan import CheckConstant, CheckField, DecodingStep, EncodingS
 from . import bits
 from .checksums import checksum_view
 from .choices import Branch, Whole, parameter_access, whole
-from .expressions import integer
+from .expressions import integer, joined, raw_of, stored_literal
 from .names import Names, member
 from .text import errata, field_facts, literal, with_deprecation
 from .types import TypeView
+from .validity import is_nan
 
 T = TypeVar("T")
 Types = Mapping[str, TypeView]
@@ -183,7 +184,7 @@ def _places(fields: Iterable[Field]) -> Iterator[Place]:
         for number in numbers(field):
             start = -(-end // size) * size
             end, packed = start + size, packed - size
-            yield Place(number, frozenset((*range(start, end), *range(packed, packed + size))))
+            yield Place(raw_of(field.type, number), frozenset((*range(start, end), *range(packed, packed + size))))
 
 
 def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:
@@ -219,7 +220,7 @@ def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRea
         elif isinstance(step, ReadField):
             for number, element in zip(numbers(step.field), step.field.elements, strict=True):
                 value = bits.read_field(step.field, element.segments) if step.field in variant.fields else "0"
-                yield FieldRead(member=number, value=value)
+                yield FieldRead(member=raw_of(step.field.type, number), value=value)
 
 
 def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
@@ -243,11 +244,14 @@ def _checks(names: Names, steps: Sequence[EncodingStep], variant: Variant, types
     """One check for each field and reason. A field that a variant lacks must be 0, since it is not sent."""
     for field in (step.field for step in steps if isinstance(step, CheckField)):
         item = f"message->{member(field.name)}" + ("[i]" if field.is_array else "")
+        raw = raw_of(field.type, item)
         if field not in variant.fields:
-            yield _check(names, field, f"{item} != 0", "OUT_OF_RANGE")
+            yield _check(names, field, f"{raw} != 0", "OUT_OF_RANGE")
             continue
         if field.type.encoding is Encoding.FLOAT:
-            yield _check(names, field, f"!canwright_is_finite{field.type.width}({item})", "NOT_FINITE")
+            refused = [f"!canwright_is_finite{field.type.width}({raw})"]
+            refused += [f"!({is_nan(field.type, item)})"] if field.type.no_values else []
+            yield _check(names, field, joined("&&", refused), "NOT_FINITE")
         type_ = types[names.lower(names.type_stem(field.type))]
         if type_.valid is not None:
             known = type_.valid.uses_parameters
@@ -263,7 +267,7 @@ def _check(names: Names, field: Field, condition: str, status: str, *, uses_para
 def literals(field: Field, raw: RawValue) -> dict[str, str]:
     """The literal of each number that a member has; a single raw integer is that of all elements."""
     raws = raw if isinstance(raw, list) else [raw] * len(field.elements)
-    return dict(zip(numbers(field), map(integer(field.type).literal, raws), strict=True))
+    return dict(zip(numbers(field), (stored_literal(field.type, raw) for raw in raws), strict=True))
 
 
 def initializer(field: Field, texts: Iterable[str]) -> str:

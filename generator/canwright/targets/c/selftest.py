@@ -17,7 +17,7 @@ from ...semantics.frame import CanFrame, node_of
 from ...semantics.plan import value_fields
 from ..base import EditionInput
 from .choices import parameter_literal
-from .expressions import integer
+from .expressions import integer, raw_of
 from .layouts import initializer, literals, numbers
 from .messages import MessageView
 from .view import EditionView
@@ -183,7 +183,8 @@ class SelfTest:
 
     def _layout(self, layout: Layout, entries: Mapping[str, int]) -> LayoutTable:
         fields = value_fields(layout.fields).values()
-        same = (f"one->{number} == other->{number}" for field in fields for number in numbers(field))
+        raws = [raw_of(field.type, number) for field in fields for number in numbers(field)]
+        same = (f"one->{raw} == other->{raw}" for raw in raws)
         return LayoutTable(self._names.lower(layout.name), _table(layout), tuple(same), tuple(entries))
 
     def _case(self, message: Message, number: int) -> MessageCase:

@@ -206,7 +206,7 @@ def _range(type_: Type, among: Sequence[str]) -> str:
 
 
 def _no_values(type_: Type) -> str:
-    named = (f"{no_value.name} ({formatting.raws(no_value.raws)})" for no_value in type_.no_values)
+    named = (f"{no_value.name} ({formatting.no_value(no_value)})" for no_value in type_.no_values)
     return f"Without a value: {', '.join(named)}." if type_.no_values else ""
 
 

@@ -11,11 +11,11 @@ from ...model.joined import JoinedText
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice, choose
 from .conversions import ConversionView, Formula, factor, milli, ratio
-from .expressions import INT64, Integer, integer
+from .expressions import INT64, Integer, integer, raw_of, stored
 from .floating import DOUBLE, SINGLE, floating, has_floating, initializer, is_wide, raw_kind
 from .names import FIRST, SCALE_MACROS, Names, layouts
 from .text import MacroView, errata, literal, type_facts, with_deprecation
-from .validity import has_value, valid, within_run
+from .validity import has_value, is_nan, valid, within_run
 
 FEWEST, MOST = 3, 9
 """The limits of the number of decimals of a scale that is no decimal fraction."""
@@ -36,7 +36,8 @@ class ShowView(NamedTuple):
 
 def show(names: Names, type_: Type) -> ShowView:
     kind = raw_kind(type_)
-    plain = f"canwright_print_{kind if kind == 'signed' else 'unsigned'}(printer, raw);"
+    item = raw_of(type_, "raw")
+    plain = f"canwright_print_{kind if kind == 'signed' else 'unsigned'}(printer, {item});"
 
     def formula(linear: Linear | None) -> Formula:
         if linear is None:
@@ -46,7 +47,7 @@ def show(names: Names, type_: Type) -> ShowView:
         numbers = initializer(linear, type_)
         if not numbers:
             return RAW
-        call = f"canwright_print_value_{kind}(printer, raw, &linear, {decimals(type_, linear)}u);"
+        call = f"canwright_print_value_{kind}(printer, {item}, &linear, {decimals(type_, linear)}u);"
         return Formula(number=call, linear=numbers, ratio=ratio(linear), factor=factor(linear))
 
     formulas = choose(names, type_.linear, formula, RAW)
@@ -95,7 +96,9 @@ class TypeView:
         stem, kind = names.type_stem(type_), integer(type_)
         unit = type_.unit.dbc if type_.unit else ""
         self.name = names.lower(stem)
-        self.kind = kind.name
+        self.kind = stored(type_)
+        """The C type of a member, and of a raw integer in functions."""
+        self.is_float = type_.encoding is Encoding.FLOAT
         self.unit = unit
         self.heading = f"{stem}: {english(type_.title) or type_.name}" + (f", {unit}" if unit else "")
         self.valid = valid(names, type_)
@@ -107,7 +110,7 @@ class TypeView:
         """Conversions by the ending of their names."""
         self.joined = joined(type_)
         self.show = show(names, type_)
-        self.use = f"Raw integer, type {stem}{_functions(type_, stem, self.milli or self.double)}."
+        self.use = f"Raw {'bits' if self.is_float else 'integer'}, type {stem}{_functions(type_, stem, self.milli or self.double)}."
         """A sentence with the type and its functions, for comments of fields."""
         lacking = list(_lacking(type_, self.milli))
         self.has_notes = bool(lacking)
@@ -200,7 +203,7 @@ def _members(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
         doc = with_deprecation(english(m.title), m.deprecated)
         yield MacroView(names.upper(names.type_stem(type_), m.name), _parenthesised(kind.literal(m.value)), doc)
     for n in type_.no_values:
-        several = len(n.raws) > 1
+        several = len(n.raws) > 1 and not n.is_nan
         doc = f"No value: {with_deprecation(english(n.title), n.deprecated)}{'; the last raw value' if several else ''}"
         yield MacroView(names.upper(names.type_stem(type_), n.name), _parenthesised(kind.literal(n.raws[-1])), doc)
         if several:
@@ -221,7 +224,8 @@ class NoValueView(NamedTuple):
 def _no_values(names: Names, type_: Type) -> Iterator[NoValueView]:
     for n in type_.no_values:
         macro = names.upper(names.type_stem(type_), n.name)
-        yield NoValueView(n.name, f"raw == {macro}" if len(n.raws) == 1 else within_run(integer(type_), n.raws))
+        several = is_nan(type_, "raw") if n.is_nan else within_run(integer(type_), n.raws)
+        yield NoValueView(n.name, f"raw == {macro}" if len(n.raws) == 1 else several)
 
 
 def _parenthesised(literal: str) -> str:

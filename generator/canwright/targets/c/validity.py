@@ -14,7 +14,7 @@ from ...model.types import Assignment, Bound, ByParameter, Encoding, Range, Type
 from ...semantics.valid_raws import FiniteFloats, FlagBits, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
-from .expressions import INT64, UINT64, Integer, integer, joined
+from .expressions import INT64, UINT64, Integer, integer, joined, raw_of
 from .names import Names
 
 RATIO_LIMIT = 1 << 30
@@ -49,7 +49,9 @@ def _condition(type_: Type, raws: ValidRaws | None) -> Condition:
     every = list(_conditions(type_, raws))
     if not every:
         return ALWAYS
-    return Condition(joined("&&", [joined("||", some) for some in every]), depends)
+    condition = joined("&&", [joined("||", some) for some in every])
+    nan = [is_nan(type_, "raw")] if type_.no_values else []
+    return Condition(joined("||", [condition, *nan]), depends)
 
 
 def _with_names(type_: Type, raws: RawInterval, depends: bool) -> Condition:
@@ -79,8 +81,16 @@ def _merged(runs: Iterable[range]) -> list[range]:
 def has_value(type_: Type) -> str:
     """The condition for a raw integer that is a number, whatever its range; empty if all are."""
     kind = integer(type_)
+    if type_.no_values and type_.encoding is Encoding.FLOAT:
+        return f"!({is_nan(type_, 'raw')})"
     named = [joined("&&", _between(kind, run[0], run[-1])) for run in _merged(n.raws for n in type_.no_values)]
     return f"!({joined('||', named)})" if named else ""
+
+
+def is_nan(type_: Type, subject: str) -> str:
+    """The condition for NaN in a member or an argument."""
+    kind, bits = integer(type_), type_.no_values[0].raws
+    return f"({raw_of(type_, subject)} & {kind.bits(bits[-1])}) >= {kind.bits(bits[0])}"
 
 
 Alternatives = tuple[str, ...]
@@ -104,7 +114,7 @@ def _conditions(type_: Type, raws: ValidRaws | None) -> Iterator[Alternatives]:
         ends = ((raws.scaled.low, ">=", True), (raws.scaled.high, "<=", False))
         for bound, sign, is_low in ends:
             order = kind.bits(_order(type_.width, bound.constant, up=is_low))
-            yield (f"canwright_order{type_.width}(raw) {sign} {order}",)
+            yield (f"canwright_order{type_.width}(raw.bits) {sign} {order}",)
 
 
 def constant_limits(type_: Type) -> tuple[int, int]:

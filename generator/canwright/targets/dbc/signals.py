@@ -194,6 +194,7 @@ class Signals:
             comments.deprecation(field.deprecated),
             comments.of(field.about) or comments.of(type_.about),
             *(comments.deprecation(m.deprecated, m.name) for m in (*type_.enum, *type_.no_values)),
+            *(comments.fixed("nan", means=no_value.name) for no_value in type_.no_values if no_value.is_nan),
             reading.step,
             comments.in_manual(field.manual_name),
             *about,
@@ -219,7 +220,8 @@ class Signals:
         elif type_.flags:
             yield from self._flags(signal, sentences, type_, element)
         else:
-            named = [(raw, no_value.name) for no_value in type_.no_values for raw in _listed(no_value.raws)]
+            no_values = [no_value for no_value in type_.no_values if not no_value.is_nan]
+            named = [(raw, no_value.name) for no_value in no_values for raw in _listed(no_value.raws)]
             values = tuple(sorted((*((member.value, member.name) for member in type_.enum), *named)))
             yield signal._replace(comment=comments.sentences(sentences), values=values)
 

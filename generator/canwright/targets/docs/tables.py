@@ -125,7 +125,7 @@ def _computed(field: Field, labels: Labels) -> str:
 def _members(type_: Type, labels: Labels) -> str:
     """The names of values or bits if there are few: `0` `on` · `16` `off`."""
     if type_.no_values:
-        named = " · ".join(f"{code(formatting.raws(n.raws))} {code(n.name)}" for n in type_.no_values[:MAX_MEMBERS])
+        named = " · ".join(f"{code(formatting.no_value(n))} {code(n.name)}" for n in type_.no_values[:MAX_MEMBERS])
         return f"<br>{labels['no_value']}{labels['colon']}{named}"
     members = type_.enum or type_.flags
     if not members or len(members) > MAX_MEMBERS:

@@ -67,7 +67,7 @@ class DocsTarget(Target):
                 "exact": formatting.exact,
                 "condition": formatting.condition,
                 "raw_format": formatting.raw_format,
-                "raws": formatting.raws,
+                "no_value": formatting.no_value,
                 "id_rule": formatting.id_rule,
                 "label": labels_of([d.edition for d in specifications]).__getitem__,
             },

@@ -233,7 +233,7 @@ class _Rows:
                 )
 
     def _member(self, type_: Type, member: Member) -> str:
-        value = formatting.raws(member.raws) if isinstance(member, NoValue) else str(member.value)
+        value = formatting.no_value(member) if isinstance(member, NoValue) else str(member.value)
         value = self._labels["bit"].format(member.value, 1 << member.value) if type_.flags else value
         title = member.title.get(self._language, "")
         return self._labels["member"].format(value, member.name, title) if title else f"{value} = {member.name}"

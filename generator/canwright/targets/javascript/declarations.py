@@ -54,7 +54,7 @@ def meaning(field: Field) -> str:
         parts += [type_.unit.symbol]
     limits = formatting.ranges(type_)
     parts += [f"raw {_by(limits)}"] if limits and type_.encoding is not Encoding.FLOAT else []
-    parts += [f"raw {formatting.raws(no_value.raws)} is {no_value.name}" for no_value in type_.no_values]
+    parts += [f"raw {formatting.no_value(no_value)} is {no_value.name}" for no_value in type_.no_values]
     parts += [f"only {', '.join(field.only)}"] if field.only else []
     parts += [f"in the manual: {field.manual_name}"] if field.manual_name else []
     return text.comment("; ".join(parts))

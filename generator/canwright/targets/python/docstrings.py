@@ -111,7 +111,7 @@ def of_type(type_: Type) -> str:
     if limits:
         parts.append(("from " if type_.encoding is Encoding.FLOAT else "raw ") + _alternatives(limits))
     if type_.no_values:
-        parts.append("None: " + ", ".join(f"{n.name} (raw {formatting.raws(n.raws)})" for n in type_.no_values))
+        parts.append("None: " + ", ".join(f"{n.name} (raw {formatting.no_value(n)})" for n in type_.no_values))
     joined = "; ".join(parts)
     return sentence(plain(joined[:1].upper() + joined[1:]))
 

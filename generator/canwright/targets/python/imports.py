@@ -24,7 +24,7 @@ _RUNTIME = {
             "Number",
             "Real",
         ),
-        *("OptionalInteger", "OptionalNumber", "TextType"),
+        *("OptionalFloat", "OptionalInteger", "OptionalNumber", "TextType"),
         *("ToAll", "ToNode", "check_choice", "check_number", "checksum", "constant", "crc_of", "join"),
         *("merge", "missing", "new", "sum_of", "whole", "wrong_message", "xor_of"),
     ),

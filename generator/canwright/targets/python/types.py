@@ -59,7 +59,7 @@ def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) ->
         if type_.no_values:
             names = (f"{text.literal(n.name)}: ({n.raws[0]}, {n.raws[-1]})" for n in type_.no_values)
             of_numbers = code.call(kind, _arguments(type_, parameters, imports))
-            optional = imports.use("OptionalInteger" if type_.is_plain else "OptionalNumber")
+            optional = imports.use("Optional" + ("Number" if kind == "Number" else kind))
             declaration = code.call(optional, (of_numbers, code.dict_of(names)), f"{constant} = ")
     return TypeView(
         constant=constant,

@@ -19,7 +19,7 @@
 #endif
 
 /** The version of this file. Headers that need another version do not compile. */
-#define CANWRIGHT_H_VERSION 7
+#define CANWRIGHT_H_VERSION 8
 
 /** Marks a function whose result must be used; define it before, also as empty, to replace it. */
 #ifndef CANWRIGHT_CHECKED
@@ -133,6 +133,18 @@ typedef struct {
     /** 0 for an unknown number. */
     uint32_t denominator;
 } canwright_ratio_t;
+
+/** A 32-bit IEEE 754 number as its bits. It is a struct, so that no number converts to it: a conversion of its type sets it. */
+typedef struct {
+    /** The bits on the wire. */
+    uint32_t bits;
+} canwright_float32_t;
+
+/** A 64-bit IEEE 754 number as its bits. */
+typedef struct {
+    /** The bits on the wire. */
+    uint64_t bits;
+} canwright_float64_t;
 
 /** The name of a status. */
 static inline const char *canwright_status_name(canwright_status_t status)
@@ -308,19 +320,21 @@ static inline uint64_t canwright_common_divisor(uint64_t first, uint64_t second)
 }
 
 /**
- * `first * second / divisor` of parameters, each of which may be NULL. The denominator is 0 if one is unknown, and the
- * numerator is 0 if one is not above 0, or if the result does not fit.
+ * Computes `first * second / divisor` of parameters, each of which may be NULL. The denominator is 0 if one is unknown,
+ * and the numerator is 0 if one is not above 0, or if the result does not fit.
  */
-static inline canwright_ratio_t canwright_factor(
-    const canwright_ratio_t *first, const canwright_ratio_t *second, const canwright_ratio_t *divisor)
+static inline void canwright_factor(
+    canwright_ratio_t *result, const canwright_ratio_t *first, const canwright_ratio_t *second,
+    const canwright_ratio_t *divisor)
 {
     const canwright_ratio_t *const parameters[3] = {first, second, divisor};
-    canwright_ratio_t result = {1, 1u};
     unsigned i;
+    result->numerator = 1;
+    result->denominator = 1u;
     for (i = 0u; i < 3u; i++) {
         if ((parameters[i] != NULL) && (parameters[i]->denominator == 0u)) {
-            result.denominator = 0u;
-            return result;
+            result->denominator = 0u;
+            return;
         }
     }
     for (i = 0u; i < 3u; i++) {
@@ -330,21 +344,20 @@ static inline canwright_ratio_t canwright_factor(
         if (parameters[i] == NULL) {
             continue;
         }
-        if ((parameters[i]->numerator <= 0) || (result.numerator <= 0)) {
-            result.numerator = 0;
-            return result;
+        if ((parameters[i]->numerator <= 0) || (result->numerator <= 0)) {
+            result->numerator = 0;
+            return;
         }
         above = (i < 2u) ? (uint64_t)parameters[i]->numerator : (uint64_t)parameters[i]->denominator;
         below = (i < 2u) ? (uint64_t)parameters[i]->denominator : (uint64_t)parameters[i]->numerator;
-        above *= (uint64_t)result.numerator;
-        below *= (uint64_t)result.denominator;
+        above *= (uint64_t)result->numerator;
+        below *= (uint64_t)result->denominator;
         common = canwright_common_divisor(above, below);
         above /= common;
         below /= common;
-        result.numerator = ((above <= 0x7FFFFFFFu) && (below <= 0xFFFFFFFFu)) ? (int32_t)above : 0;
-        result.denominator = (result.numerator != 0) ? (uint32_t)below : 1u;
+        result->numerator = ((above <= 0x7FFFFFFFu) && (below <= 0xFFFFFFFFu)) ? (int32_t)above : 0;
+        result->denominator = (result->numerator != 0) ? (uint32_t)below : 1u;
     }
-    return result;
 }
 
 /** The integer nearest to `ratio * dividend / divisor`, ties away from zero; both products must fit in 64 bits. */

@@ -201,6 +201,8 @@ class Type:
 
     def no_value_names(self, raw: Array) -> Array:
         """The name for which each raw integer has no value; an empty text for a number."""
+        if self.is_float:  # NaN of either sign
+            raw = raw & raw.dtype.type(np.iinfo(raw.dtype).max // 2)
         names = np.full(raw.shape, "", f"<U{max(map(len, self.no_values or ('',)))}")
         for name, (first, last) in (self.no_values or {}).items():
             names[(raw >= first) & (raw <= last)] = name
@@ -666,7 +668,7 @@ def values(raw: Array, type_: Type, scale: Scale | None) -> Array:
     """
     if scale is None:
         return raw
-    if type_.no_values:
+    if type_.no_values and not type_.is_float:
         return np.where(type_.no_value_names(raw) == "", scale.apply(raw), np.nan)
     if type_.text is not None:
         return texts(raw, *type_.text)

@@ -58,7 +58,8 @@ export class FieldType {
 
   /** The name for which a raw integer of a number has no value; null for a number. */
   noValue(raw) {
-    return this.noValues?.find(([first, last]) => raw >= first && raw <= last)?.[2] ?? null;
+    const bits = this.noValues && this.isFloat && raw >= this.half ? this.integer(raw) - this.half : raw; // NaN of either sign
+    return this.noValues?.find(([first, last]) => bits >= first && bits <= last)?.[2] ?? null;
   }
 
   /** The value of a raw integer; null without one. */
@@ -197,7 +198,7 @@ export class FieldType {
     if (typeof raw !== "bigint" && !(Number.isInteger(raw) && (!this.isWide || Number.isSafeInteger(raw)))) {
       throw new TypeError(`${field} is no exact integer; integers from 2^53 on are BigInt`);
     }
-    if (this.isFloat && !(raw >= 0n && raw <= this.high && Number.isFinite(floatOf(this.width, this.integer(raw))))) {
+    if (this.isFloat && this.noValue(raw) === null && !(raw >= 0n && raw <= this.high && Number.isFinite(floatOf(this.width, this.integer(raw))))) {
       throw new CodecError("not_finite", `${field}=${given} is not a finite number`, field);
     }
     if (!this.allows(raw, parameters)) {

@@ -687,6 +687,16 @@ class OptionalInteger(OptionalNumber):
         return raw if self.no_value(raw) is None else None
 
 
+class OptionalFloat(OptionalNumber):
+    """The same of a float, of which NaN has no value, whatever its sign."""
+
+    __slots__ = ()
+
+    def no_value(self, raw: int) -> str | None:
+        """The name of NaN; None for another bit pattern."""
+        return super().no_value(raw & ~(self.number.high // 2 + 1))
+
+
 class Counter(NamedTuple):
     """A field that the sender increments with each frame."""
 

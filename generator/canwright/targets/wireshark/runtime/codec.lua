@@ -396,6 +396,10 @@ end
 
 -- The name for which a raw integer of a number has no value; nil for a number.
 local function no_value_of(type_, low, high)
+    if type_.float then -- NaN of either sign
+        low = type_.width == 32 and low % 2147483648 or low
+        high = high % 2147483648
+    end
     for _, named in ipairs(type_.no_values or {}) do
         if is_at_most(named[1], named[2], high, low) and is_at_most(high, low, named[3], named[4]) then
             return named[5]
