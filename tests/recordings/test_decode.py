@@ -801,7 +801,7 @@ def _send_slowly(stream: IO[str], id_: str, is_read: threading.Event) -> None:
     for _ in range(400):
         stream.write(f"{id_}#A10000009B000000\n{id_}#A1329B00F4010080\n")
         stream.flush()
-        if is_read.wait(0.05):
+        if is_read.wait(0.1):
             return
     stream.close()
 
