@@ -65,10 +65,13 @@ def test_headers_that_are_unusual(tmp_path: Path, text: str, seconds: float) -> 
         (";$FILEVERSION=2.1\nx\n 1 1.0 DT 0141 Rx 8 9A 00 00 00 00 00 00 00\n", r"no frames \(line 3: `1 1.0 DT 0141"),
         ("Time Stamp,ID,Extended\n1,141,false\n", "names no column LEN; export it again"),
         (SAVVYCAN.replace("Extended", "Extended?") + SAVVYCAN_FRAME, "names no column Extended; export it again"),
-        (gzip.compress(gzip.compress(ASC_FRAME.encode())), "compressed log contains another compressed file, or MF4"),
+        (
+            gzip.compress(gzip.compress(ASC_FRAME.encode())),
+            "compressed log contains another compressed file, MF4 or a database",
+        ),
         (
             lzma.compress(b"MDF     4.10"),
-            "compressed log contains another compressed file, or MF4; decompress it first",
+            "compressed log contains another compressed file, MF4 or a database; decompress it first",
         ),
     ],
 )
@@ -177,7 +180,7 @@ def test_mutants_end_soon_with_frames_or_a_sentence(tmp_path: Path, form: str, s
     whole = _whole(tmp_path, form)
     chance = random.Random(f"{form} {seed}")
     for _ in range(10):
-        mutant = _mutated(whole, chance)
+        mutant = mutated(whole, chance)
         start = time.process_time()
         with contextlib.suppress(LogError):
             _read(tmp_path, mutant)
@@ -204,7 +207,7 @@ def _whole(tmp_path: Path, form: str) -> bytes:
     return file.read_bytes()
 
 
-def _mutated(whole: bytes, chance: random.Random) -> bytes:
+def mutated(whole: bytes, chance: random.Random) -> bytes:
     content = bytearray(whole)
     for _ in range(chance.choice([1, 1, 2, 8])):
         start = chance.randrange(len(content) + 1)

@@ -151,7 +151,7 @@ def decode(
 ) -> None:
     """Decode a log, or explain one frame.
 
-    LOG is a log of candump or of any format that python-can reads, `-` for the standard input, or a frame such as
+    LOG is a log of candump, ASC, BLF, TRC, MF4, CSV, pcap or another form, `-` for the standard input, or a frame such as
     141#A100FF. Each row has the direction of the frame and the rule that decided on it, the values of its fields, and
     the request that it answers. The edition of a node is given by --set, or identified: from the whole log if it is a
     file, and while it is read if it is a stream. If several editions fit, a row lists all, and is decoded with the first.

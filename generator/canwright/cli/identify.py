@@ -43,7 +43,7 @@ SHOWN = 4
 def identify(log: str, specs: Sequence[Path], form: str, settings: Sequence[str], recorder: str) -> None:
     """Show which editions a recorded exchange fits, and why.
 
-    Each node of each bus is identified separately. LOG is a log of candump or of any format that python-can reads, or
+    Each node of each bus is identified separately. LOG is a log of candump, ASC, BLF, TRC, MF4, CSV, pcap or another form, or
     - for the standard input. No frame contains its edition; the result follows from ids, codes, replies, reserved bits
     and plausible ranges of all frames, and may be undecided. If a node gets another edition, the result names the frame
     and the time of the change. Without --spec and without a folder spec/, the editions in the package are compared.

@@ -13,8 +13,8 @@ from ..targets.columns.runtime._candump import MAX_ID, MAX_SECONDS, SkippedPart 
 
 new_tuple = tuple.__new__
 """Makes a NamedTuple in half of the time."""
-
-
+FD_LENGTHS = dict(zip(range(9, 16), (12, 16, 20, 24, 32, 48, 64), strict=True))
+"""The data bytes of frames of CAN FD, by the codes of the length that are not the number itself."""
 _MAX_TIME = (MAX_SECONDS + 1) * 1_000_000_000
 
 
@@ -39,14 +39,15 @@ class LogFrame(NamedTuple):
 
 
 def log_frame(
-    time: int, bus: str, id_: int, data: bytes, mark: Mark | None, *, extended: bool, remote: bool = False
+    time: int | None, bus: str, id_: int, data: bytes, mark: Mark | None, *, extended: bool, remote: bool = False
 ) -> LogFrame | SkippedPart:
     """A frame whose id, length and time a log can have; a time of more than 64 bits is unknown."""
     if not 0 <= id_ <= MAX_ID[extended]:
         return SkippedPart.MALFORMED
     if len(data) > MAX_DATA_BYTES:
         return SkippedPart.XL
-    return LogFrame(time if abs(time) < _MAX_TIME else None, bus, CanFrame(id_, data, extended, remote), mark)
+    known = None if time is None or abs(time) >= _MAX_TIME else time
+    return LogFrame(known, bus, CanFrame(id_, data, extended, remote), mark)
 
 
 OVERLONG = "\ufffd"

@@ -1,8 +1,10 @@
-"""Logs of any known format, recognized by their content: candump, ASC, BLF, TRC, MF4, CSV; compressed or not."""
+"""Logs of any known format, recognized by their content: texts, binary files and captures; compressed or not."""
 
 from __future__ import annotations
 
+import bz2
 import contextlib
+import functools
 import gzip
 import io
 import lzma
@@ -14,7 +16,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
-from . import asc, by_python_can, candump, csv_table, savvycan, trc
+from . import asc, busmaster, by_python_can, candump, csv_table, line_forms, pcap, savvycan, slcan, sqlite_table, trc
+from .form_signs import form_of
 from .log_frame import OVERLONG, Counts, LogError as LogError, LogFrame, SkippedPart
 from .packages import MissingPackageError
 
@@ -27,19 +30,31 @@ _MAX_LINE = 4096
 _SKIPPED = 1 << 16
 """The number of characters of a longer line that are skipped at once."""
 _SHOWN = 80
-_COMPRESSED: dict[bytes, Callable[[BinaryIO], object]] = {b"\x1f\x8b": gzip.open, b"\xfd7zXZ\x00": lzma.open}
-_BINARY = {b"LOGG": "blf", b"MDF ": "mf4", b"UnFinMF ": "mf4"}
-_SEEKING = (b"MDF ", b"UnFinMF ")
+_COMPRESSED: dict[bytes, Callable[[BinaryIO], object]] = {
+    b"\x1f\x8b": gzip.open,
+    b"BZh": bz2.open,
+    b"\xfd7zXZ\x00": lzma.open,
+}
+_MF4 = functools.partial(by_python_can.read_bytes, "mf4")
+_BINARY: dict[bytes, Callable[[BinaryIO, Counts], Iterator[LogFrame]]] = {
+    b"LOGG": functools.partial(by_python_can.read_bytes, "blf"),
+    b"MDF ": _MF4,
+    b"UnFinMF ": _MF4,
+    sqlite_table.MAGIC: sqlite_table.read,
+    **dict.fromkeys(pcap.MAGICS, pcap.read),
+}
+_SEEKING = {b"MDF ": "MF4", b"UnFinMF ": "MF4", sqlite_table.MAGIC: "a database"}
 """What is read at many places, so that it cannot be a stream."""
 _MARKED = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
-_ASC = ("date ", "base ", "// version", "begin triggerblock")
-_TRC = (";$", ";##")
 _TEXTS = {
     "asc": asc.read,
+    "busmaster": busmaster.read,
     "candump": candump.read,
     "csv": csv_table.read,
     "savvycan": savvycan.read,
+    "slcan": slcan.read,
     "trc": trc.read,
+    **{name: line_forms.reader(form) for name, form in line_forms.FORMS.items()},
 }
 
 
@@ -79,14 +94,16 @@ class Log:
                     break
         except MissingPackageError as error:
             raise LogError(str(error)) from None
-        except (EOFError, zlib.error, lzma.LZMAError, gzip.BadGzipFile) as error:
+        except (EOFError, zlib.error, lzma.LZMAError, OSError) as error:
+            if isinstance(error, OSError) and error.errno is not None:  # of the system, not of what is compressed
+                raise
             self.counts.skip(SkippedPart.TRUNCATED, 0, str(error))
         finally:
             self.counts.frames = frames
         if not self.counts.frames and not self.is_ended:
             raise LogError(
                 f"{self.name} has no frames{_found(self.counts)}; record it with `candump -l`, or as "
-                "ASC, BLF, TRC, MF4 or CSV"
+                "ASC, BLF, TRC, MF4, CSV or pcap"
             )
 
 
@@ -152,19 +169,19 @@ def _read(source: io.BufferedReader, counts: Counts) -> Iterator[LogFrame]:
     unpacked = _buffered(cast("BinaryIO", opened(source)))
     start = unpacked.peek(_PEEKED)[:_PEEKED]
     if start.startswith((*_COMPRESSED, *_SEEKING)):
-        raise LogError("a compressed log contains another compressed file, or MF4; decompress it first")
+        raise LogError("a compressed log contains another compressed file, MF4 or a database; decompress it first")
     return _frames(unpacked, start, counts)
 
 
 def _frames(source: io.BufferedReader, start: bytes, counts: Counts) -> Iterator[LogFrame]:
-    for magic, form in _BINARY.items():
+    for magic, read in _BINARY.items():
         if start.startswith(magic):
             if magic in _SEEKING and not source.seekable():
-                raise LogError("MF4 cannot be read from a stream; give the name of the file")
-            return by_python_can.read_bytes(form, source, counts)
+                raise LogError(f"{_SEEKING[magic]} cannot be read from a stream; give the name of the file")
+            return read(source, counts)
     encoding = next((name for mark, name in _MARKED.items() if start.startswith(mark)), _unmarked(start))
     lines = _lines(io.TextIOWrapper(source, encoding, errors="replace"))
-    return _TEXTS[_form(start.decode(encoding, "replace").lstrip("\ufeff"))](lines, counts)
+    return _TEXTS[form_of(start.decode(encoding, "replace").lstrip("\ufeff"))](lines, counts)
 
 
 def _lines(text: io.TextIOWrapper) -> Iterator[str]:
@@ -181,14 +198,3 @@ def _lines(text: io.TextIOWrapper) -> Iterator[str]:
 def _unmarked(start: bytes) -> str:
     """The encoding of a text without a mark: every other byte of ASCII in UTF-16 is 0."""
     return "utf-16-le" if start[1:4:2] == b"\0\0" else "utf-16-be" if start[0:4:2] == b"\0\0" else "utf-8"
-
-
-def _form(start: str) -> str:
-    if start.startswith(savvycan.START):
-        return "savvycan"
-    if start.startswith(csv_table.START):
-        return "csv"
-    lowered = start.lstrip().lower()
-    if lowered.startswith(_ASC):
-        return "asc"
-    return "trc" if lowered.startswith(_TRC) else "candump"

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
 from .lines import frames_of, octets
-from .log_frame import Counts, LogFrame, Mark, SkippedPart, log_frame
+from .log_frame import FD_LENGTHS, Counts, LogFrame, Mark, SkippedPart, log_frame
 
 _COLUMNS = ";$COLUMNS="
 _START = re.compile(r";\$STARTTIME=(\d{1,7}(?:[.,]\d{1,18})?)\s", re.ASCII)
@@ -31,7 +31,6 @@ _ERROR = re.compile(r"\s*\d+\)?\s+[\d.,]+\s+(\d+\s+)?(ERROR|Error|Warng|ER|STATU
 _FRAME_TYPES = ("DT", "FD", "FB", "FE", "BI", "RR")
 _EVENT_TYPE = "EV"
 _MARKS = {"rx": Mark.RECEIVED, "tx": Mark.SENT}
-_FD_LENGTHS = dict(zip(range(9, 16), (12, 16, 20, 24, 32, 48, 64), strict=True))
 
 
 def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
@@ -87,7 +86,7 @@ class _Trc:
             bus = cells[at["B"]] if "B" in at else None
             remote = kind == "RR"
             if "l" not in at:
-                length = _FD_LENGTHS.get(length, length) if kind != "DT" else min(8, length)
+                length = FD_LENGTHS.get(length, length) if kind != "DT" else min(8, length)
             data = b"" if remote else octets(cells[at["D"]] if length else "", length, line)
         except (KeyError, IndexError, ValueError):
             return SkippedPart.MALFORMED
