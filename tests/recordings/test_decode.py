@@ -212,6 +212,46 @@ def test_implausible_values_are_counted() -> None:
     assert "  1 implausible: `voltage` is outside 6..100 V, as 5.0 V in 142#9A32003200000000" in text
 
 
+# 5000 of at most 2048; 32768 of the 16384 numbers of an encoder of 14 bits
+OUTSIDE = """\
+(1.000000) can0 141#A10000009B000000
+(1.000200) can0 141#A1328813F4010080
+(1.010000) can0 141#A10000009B000000
+(1.010200) can0 141#A1329B00F4010080
+"""
+
+
+def test_values_outside_their_range_are_counted() -> None:
+    settings = ("--set", "edition=v2.35", "--set", "series=MG")
+    text = decode(OUTSIDE, *settings, "--set", "encoder_bits=14", status=1).stdout
+    assert "1 implausible: `iq` is outside raw -2048..2048, as 80.56640625 A in 141#A1328813F4010080" in text
+    assert "2 implausible: `encoder` is outside raw 0..16383, as 720.0 ° in 141#A1328813F4010080" in text
+    text = decode(OUTSIDE, *settings, "--set", "encoder_bits=18", status=1).stdout
+    assert "`iq` is outside" in text and "`encoder`" not in text
+
+
+GAUGE = """\
+canwright: 1
+family: tank
+edition: v1
+addresses: {tank: {id: 0x100 + node, nodes: 1..2}}
+types:
+  level: {raw: u8, unit: "%", scale: 0.4, raw_range: 0..250, no_value: {error: 254}}
+  heat: {raw: f32, unit: K, range: 0..500}
+commands:
+  state: {request: none, reply: {level: {at: 0, type: level}, heat: {at: 1, type: heat}}}
+"""
+
+
+def test_names_for_no_value_are_within_the_range_and_floats_have_one() -> None:
+    Path("tank.yaml").write_text(GAUGE, "utf-8")
+    spec = ("--spec", "tank.yaml")
+    decode("(1.0) can0 101#FE00004040000000\n(1.1) can0 101#FA00004040000000\n", *spec)
+    text = decode("(1.0) can0 101#FB00401C46000000\n(1.1) can0 101#FF0000C07F000000\n", *spec, status=1).stdout
+    assert "2 implausible: `level` is outside raw 0..250, as 100.4 % in 101#FB00401C46000000" in text
+    assert "2 implausible: `heat` is outside 0..500 K, as 10000.0 K in 101#FB00401C46000000" in text
+
+
 def test_a_node_that_does_not_reply_has_the_edition_of_others_of_its_bus() -> None:
     silent = "".join(f"({second}.000000) {bus} 145#9A00000000000000\n" for second in (1, 2) for bus in ("can0", "can1"))
     text = decode(MIXED + silent).stdout

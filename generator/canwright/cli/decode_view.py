@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
-from ..model.formatting import bus_id, counted, numbers, sent, span as value_span
+from ..model.formatting import bus_id, counted, numbers, sent
 from ..recordings.counter_gaps import CounterGaps
 from ..recordings.exports import bus_name, milliseconds, seconds
 from ..recordings.log_frame import Counts, SkippedPart
@@ -192,11 +192,10 @@ def _findings(node: NodeSummary) -> Iterator[str]:
     for (message, name), gaps in node.counters.items():
         if not gaps.is_regular:
             yield f"  {message.name}: {_counter_gaps(name, gaps)}"
-    for name, values in node.implausible.items():
-        cell, limits = values.example, values.example.column.field.type.plausible
+    for (name, limits), values in node.implausible.items():
+        cell = values.example
         value = value_text(cell.value, cell.raw, cell.column.unit)
-        among = f"{value_span(limits)} {cell.column.unit}".rstrip() if limits else ""
-        yield f"  {values.count} implausible: `{name}` is outside {among}, as {value} in {sent(values.frame)}"
+        yield f"  {values.count} implausible: `{name}` is outside {limits}, as {value} in {sent(values.frame)}"
     for reason, rejected in node.rejected.items():
         yield f"  {rejected.count} rejected, {reason.value}: {rejected.rejection.text}, as in {sent(rejected.example)}"
 

@@ -35,8 +35,9 @@ class RejectedFrames:
 
 @dataclass
 class ImplausibleValues:
-    """The values of a field outside its plausible range, with the first of them."""
+    """The values of a field outside its plausible or its raw range, with the first of them."""
 
+    limits: str
     example: Cell
     frame: CanFrame
     count: int = 0
@@ -48,7 +49,7 @@ class NodeSummary:
 
     `missing` are requests that were not answered, `late` replies long after most others, `unexpected` replies without a
     request, `copies` frames that were recorded again, `rejected` frames that are no message of their direction,
-    `implausible` values by field. Latencies are in ns. `labels` name the editions that fit, `commands` those of the frames.
+    `implausible` values by field and range. Latencies are in ns. `labels` name the editions that fit, `commands` those of the frames.
     """
 
     editions: dict[Edition, None] = field(default_factory=dict)
@@ -60,7 +61,7 @@ class NodeSummary:
     late: int = 0
     unexpected: int = 0
     rejected: dict[Refusal, RejectedFrames] = field(default_factory=dict)
-    implausible: dict[str, ImplausibleValues] = field(default_factory=dict)
+    implausible: dict[tuple[str, str], ImplausibleValues] = field(default_factory=dict)
     decided: Counter[DecidedBy] = field(default_factory=Counter)
     without: dict[str, None] = field(default_factory=dict)
     """Parameters that are not given, so that values are missing."""
@@ -202,8 +203,9 @@ class Summary:
 
     def _add_implausible(self, node: NodeSummary, row: Row) -> None:
         cells, frame = [*row.cells], row.judged.recorded.frame
-        for at in row.implausible:
-            known = node.implausible.setdefault(cells[at].column.name, ImplausibleValues(cells[at], frame))
+        for at, limits in row.implausible:
+            key = cells[at].column.name, limits
+            known = node.implausible.setdefault(key, ImplausibleValues(limits, cells[at], frame))
             known.count += 1
 
     def _reject(self, node: NodeSummary, rejection: Rejection, frame: CanFrame) -> None:
