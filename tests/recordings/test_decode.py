@@ -212,6 +212,19 @@ def test_implausible_values_are_counted() -> None:
     assert "  1 implausible: `voltage` is outside 6..100 V, as 5.0 V in 142#9A32003200000000" in text
 
 
+def test_differences_of_times_and_times_that_cannot_be_read_are_stated() -> None:
+    stamps = ["000.000000", "000.000200", "000.009800", "000.000200"]
+    frames = ["142   [8]  9A 00 00 00 00 00 00 00", "142   [8]  9A 32 00 E7 01 00 00 00"] * 2
+    lines = [f" ({stamp})  can0  {frame}\n" for stamp, frame in zip(stamps, frames, strict=True)]
+    text = decode("".join(lines), *SETTINGS).stdout
+    assert "2 requests, 2 replies after 0.200 ms on average" in text and "#3  0.010200" in text
+    assert "the times are differences, as of `candump -td`, and were added up" in text
+    text = decode("".join(lines[1:3]), *SETTINGS, "--time-differences").stdout
+    assert "#1  0.010000" in text
+    text = decode(lines[0] + lines[1].replace("000.000200", "1.2.3"), *SETTINGS, status=1).stdout
+    assert "1 frame without a time, since it cannot be read (line 2: `(1.2.3)  can0  142" in text
+
+
 # 5000 of at most 2048; 32768 of the 16384 numbers of an encoder of 14 bits
 OUTSIDE = """\
 (1.000000) can0 141#A10000009B000000

@@ -111,7 +111,8 @@ def _nanoseconds(written: str | None) -> int | None:
             return None
         return int(seconds) * 1_000_000_000 + int(fraction[:9].ljust(9, "0"))
     try:
-        date = datetime.strptime(written, "%Y-%m-%d %H:%M:%S.%f").replace(tzinfo=timezone.utc)
+        date = datetime.strptime(seconds, "%Y-%m-%d %H:%M:%S").replace(tzinfo=timezone.utc)
     except ValueError:
         return None
-    return int(date.timestamp()) * 1_000_000_000 + date.microsecond * 1_000
+    is_known = fraction.isdigit() and 0 <= date.timestamp() <= MAX_SECONDS
+    return int(date.timestamp()) * 1_000_000_000 + int(fraction[:9].ljust(9, "0")) if is_known else None

@@ -36,7 +36,7 @@ from . import INTERRUPTED
 from .common import FINDINGS, FilePath, read, spec_option, stop
 from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
-from .node_settings import bus_of, direction_of, recorder_option
+from .node_settings import bus_of, differences_option, direction_of, recorder_option
 from .terminal import print_data, print_text, progress
 
 BLOCK = 500
@@ -134,6 +134,7 @@ class Outputs(NamedTuple):
 @click.option(
     "--follow", "followed", is_flag=True, help="Wait for more lines at the end of the file, until Ctrl-C ends the log."
 )
+@differences_option
 @recorder_option
 def decode(
     log: str | CanFrame,
@@ -147,6 +148,7 @@ def decode(
     golden: bool,
     window: float | None,
     followed: bool,
+    has_differences: bool,
     recorder: str,
 ) -> None:
     """Decode a log, or explain one frame.
@@ -180,7 +182,7 @@ def decode(
     _check(outputs)
     _check_paths(log, outputs)
     try:
-        with open_log(log, is_followed=followed) as recording:
+        with open_log(log, is_followed=followed, has_differences=has_differences) as recording:
             _decode(recording, editions, set_, outputs, window, direction_of(recorder))
     except (LogError, MissingPackageError, OSError) as error:
         if isinstance(error, BrokenPipeError):  # of the standard output
@@ -240,7 +242,7 @@ def _decode(
     if common is not None:
         nodes: Nodes | None = Nodes([common], settings, common)
     elif log.is_file:
-        nodes = nodes_of(_identified(log.name, editions, recorder), settings)
+        nodes = nodes_of(_identified(log, editions, recorder), settings)
     else:
         nodes = None
     with _ended_by_interrupt(log):
@@ -304,11 +306,12 @@ def _print(
     return not doubtful and _is_clean(summary, nodes, log.counts)
 
 
-def _identified(name: str, editions: Sequence[Edition], recorder: Direction) -> Identifier:
+def _identified(log: Log, editions: Sequence[Edition], recorder: Direction) -> Identifier:
     """All frames of a log in a file, with the editions that they fit."""
     identifiers = Identifiers(editions, recorder)
-    with open_log(name) as log, progress("frames", shown=True) as advance:
-        for number, frame in enumerate(log):
+    again = open_log(log.name, has_differences=log.has_differences)
+    with again as frames, progress("frames", shown=True) as advance:
+        for number, frame in enumerate(frames):
             identifiers.add(frame)
             if number % BLOCK == BLOCK - 1:
                 advance(BLOCK)
@@ -317,7 +320,7 @@ def _identified(name: str, editions: Sequence[Edition], recorder: Direction) -> 
 
 def _is_clean(summary: Summary, nodes: Nodes, counts: Counts) -> bool:
     """Whether everything was read, no frame has several meanings, and every value is plausible."""
-    unread = counts.skipped[SkippedPart.MALFORMED] + counts.skipped[SkippedPart.TRUNCATED]
+    unread = counts.skipped[SkippedPart.MALFORMED] + counts.skipped[SkippedPart.TRUNCATED] + counts.untimed
     rejecting = [place for place, node in summary.nodes.items() if node.rejected and not nodes.is_stray(*place)]
     commands = {place: node.commands for place, node in summary.nodes.items()}
     return not (unread or rejecting or summary.has_implausible) and nodes.is_complete(commands)

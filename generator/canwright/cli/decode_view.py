@@ -232,6 +232,12 @@ def _skipped(summary: Summary, counts: Counts) -> Iterator[str]:
         yield f"{counted(foreign, 'frame')} with foreign ids: {ids}{more}"
     if counts.remote:
         yield f"{counted(counts.remote, 'remote frame')} among all frames"
+    if counts.has_differences:
+        yield "the times are differences, as of `candump -td`, and were added up"
+    if counts.untimed:
+        number, text = counts.first_untimed
+        where = f"line {number}: `{visible(text)}`" if number else "the first has more than 64 bits"
+        yield f"{counted(counts.untimed, 'frame')} without a time, since it cannot be read ({where})"
     for part in SkippedPart:
         if counts.skipped[part]:
             lines = [

@@ -76,7 +76,9 @@ FORMS = {
 
 def reader(form: LineForm) -> Callable[[Iterable[str], Counts], Iterator[LogFrame]]:
     """The reader of a format."""
-    return lambda lines, counts: frames_of(lines, lambda line: read_line(form, line), counts)
+    return lambda lines, counts: frames_of(
+        lines, lambda line: read_line(form, line), counts, are_timed=form is not FORMS["old_candump"]
+    )
 
 
 def read_line(form: LineForm, line: str) -> LogFrame | SkippedPart:

@@ -10,13 +10,20 @@ Read = Callable[[str], LogFrame | SkippedPart]
 """The frame on a line, or what the line is instead."""
 
 
-def frames_of(lines: Iterable[str], read: Read, counts: Counts, *, start: int = 1) -> Iterator[LogFrame]:
-    """The frames of numbered lines, each read once. Other lines before the first frame are the header."""
+def frames_of(
+    lines: Iterable[str], read: Read, counts: Counts, *, start: int = 1, are_timed: bool = True
+) -> Iterator[LogFrame]:
+    """The frames of numbered lines, each read once. Other lines before the first frame are the header.
+
+    Where lines `are_timed`, a frame without a time is one whose time cannot be read.
+    """
     is_header = True
     for number, line in enumerate(lines, start):
         part = SkippedPart.MALFORMED if line.startswith(OVERLONG) else read(line)
         if isinstance(part, LogFrame):
             is_header = False
+            if part.time is None and are_timed:
+                counts.lacks_time(number, line)
             yield part
         elif part is SkippedPart.MALFORMED and not line.endswith("\n"):
             counts.skip(SkippedPart.TRUNCATED, number, line)

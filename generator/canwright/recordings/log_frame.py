@@ -62,9 +62,21 @@ class Counts:
 
     frames: int = 0
     remote: int = 0
+    untimed: int = 0
+    """The frames whose time is not of a known form, or of more than 64 bits."""
+    first_untimed: tuple[int, str] = 0, ""
+    """Number and text of the line of the first of them."""
+    has_differences: bool = False
+    """Whether the times were differences, and have been added up."""
     skipped: Counter[SkippedPart] = field(default_factory=Counter)
     examples: dict[SkippedPart, list[tuple[int, str]]] = field(default_factory=dict)
     """Number and text of the first lines of each part."""
+
+    def lacks_time(self, number: int, text: str) -> None:
+        """Counts a frame whose time cannot be read."""
+        self.untimed += 1
+        if self.untimed == 1:
+            self.first_untimed = number, text.strip()[:80]
 
     def skip(self, part: SkippedPart, number: int = 0, text: str = "") -> None:
         """Counts what is no frame; `number` is that of its line, 0 in a binary log."""

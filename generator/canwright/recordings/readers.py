@@ -20,10 +20,14 @@ from . import asc, busmaster, by_python_can, candump, csv_table, line_forms, pca
 from .form_signs import form_of
 from .log_frame import OVERLONG, Counts, LogError as LogError, LogFrame, SkippedPart
 from .packages import MissingPackageError
+from .time_differences import since_start
 
 STANDARD_INPUT = "-"
 PAUSE = 0.05
 """The time in seconds after which a stream that has no more frames pauses."""
+_AHEAD = 1000
+_AHEAD_OF_STREAM = 8
+"""How many frames are read before it is decided whether times that begin with 0 are differences."""
 _PEEKED = 4096
 _MAX_LINE = 4096
 """The maximum number of characters of a line. The longest lines of CAN FD frames have a few hundred."""
@@ -63,10 +67,12 @@ class Log:
 
     `on_wait` is called with 0 before each read of a stream, which may have to wait for the next frames, and again at
     each PAUSE with the time in seconds since then; `waited` is the time that these reads have taken. A log that
-    `is_followed` has no end. If it `is_ended` by the user, it ends where it is read next.
+    `is_followed` has no end. Its times are added up if they are known or seen to be differences. If it `is_ended` by the user, it ends where it is read next.
     """
 
-    def __init__(self, source: BinaryIO, name: str, *, is_followed: bool = False) -> None:
+    def __init__(
+        self, source: BinaryIO, name: str, *, is_followed: bool = False, has_differences: bool = False
+    ) -> None:
         self.counts = Counts()
         self.name = name
         self.on_wait: Callable[[float], object] = lambda _: None
@@ -74,6 +80,7 @@ class Log:
         self.is_followed = is_followed
         self.is_ended = False
         self._source = source
+        self.has_differences = has_differences
 
     @property
     def is_file(self) -> bool:
@@ -85,7 +92,8 @@ class Log:
         frames = 0
         source = self._source if self.is_file else cast("BinaryIO", _Stream(self._source, self))
         try:
-            for recorded in _read(_buffered(source), self.counts):
+            ahead = _AHEAD if self.is_file else _AHEAD_OF_STREAM
+            for recorded in _read(_buffered(source), self.counts, ahead, self.has_differences):
                 frames += 1
                 if recorded.frame.remote:
                     self.counts.remote += 1
@@ -139,13 +147,13 @@ class _Stream(io.RawIOBase):
 
 
 @contextlib.contextmanager
-def open_log(name: str, *, is_followed: bool = False) -> Iterator[Log]:
+def open_log(name: str, *, is_followed: bool = False, has_differences: bool = False) -> Iterator[Log]:
     """A log in a file, or in the standard input for `-`. Raises OSError."""
     if name == STANDARD_INPUT:
-        yield Log(sys.stdin.buffer, "the standard input")
+        yield Log(sys.stdin.buffer, "the standard input", has_differences=has_differences)
         return
     with Path(name).open("rb") as source:
-        yield Log(source, name, is_followed=is_followed)
+        yield Log(source, name, is_followed=is_followed, has_differences=has_differences)
 
 
 def _found(counts: Counts) -> str:
@@ -160,20 +168,22 @@ def _buffered(source: BinaryIO) -> io.BufferedReader:
     return source if isinstance(source, io.BufferedReader) else io.BufferedReader(cast("io.RawIOBase", source))
 
 
-def _read(source: io.BufferedReader, counts: Counts) -> Iterator[LogFrame]:
+def _read(source: io.BufferedReader, counts: Counts, ahead: int, are_differences: bool) -> Iterator[LogFrame]:
     """The frames of a log in the format that its first bytes have, or those of the log that is compressed in it."""
     start = source.peek(_PEEKED)[:_PEEKED]
     opened = next((opened for magic, opened in _COMPRESSED.items() if start.startswith(magic)), None)
     if opened is None:
-        return _frames(source, start, counts)
+        return _frames(source, start, counts, ahead, are_differences)
     unpacked = _buffered(cast("BinaryIO", opened(source)))
     start = unpacked.peek(_PEEKED)[:_PEEKED]
     if start.startswith((*_COMPRESSED, *_SEEKING)):
         raise LogError("a compressed log contains another compressed file, MF4 or a database; decompress it first")
-    return _frames(unpacked, start, counts)
+    return _frames(unpacked, start, counts, ahead, are_differences)
 
 
-def _frames(source: io.BufferedReader, start: bytes, counts: Counts) -> Iterator[LogFrame]:
+def _frames(
+    source: io.BufferedReader, start: bytes, counts: Counts, ahead: int, are_differences: bool
+) -> Iterator[LogFrame]:
     for magic, read in _BINARY.items():
         if start.startswith(magic):
             if magic in _SEEKING and not source.seekable():
@@ -181,7 +191,9 @@ def _frames(source: io.BufferedReader, start: bytes, counts: Counts) -> Iterator
             return read(source, counts)
     encoding = next((name for mark, name in _MARKED.items() if start.startswith(mark)), _unmarked(start))
     lines = _lines(io.TextIOWrapper(source, encoding, errors="replace"))
-    return _TEXTS[form_of(start.decode(encoding, "replace").lstrip("\ufeff"))](lines, counts)
+    form = form_of(start.decode(encoding, "replace").lstrip("\ufeff"))
+    frames = _TEXTS[form](lines, counts)
+    return since_start(frames, counts, ahead if form == "candump" else 0, are_differences=are_differences)
 
 
 def _lines(text: io.TextIOWrapper) -> Iterator[str]:

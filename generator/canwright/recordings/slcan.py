@@ -22,7 +22,7 @@ _CLASSIC_LENGTH = 8
 
 def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
     """The frames of the lines of a log."""
-    return frames_of(lines, _Slcan().read, counts)
+    return frames_of(lines, _Slcan().read, counts, are_timed=False)
 
 
 class _Slcan:
