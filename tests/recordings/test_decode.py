@@ -225,6 +225,30 @@ def test_differences_of_times_and_times_that_cannot_be_read_are_stated() -> None
     assert "1 frame without a time, since it cannot be read (line 2: `(1.2.3)  can0  142" in text
 
 
+EARLY = """\
+Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8
+-1769000000020000,00000142,false,Tx,0,8,9A,00,00,00,00,00,00,00,
+-1769000000019800,00000142,false,Rx,0,8,9A,32,00,E7,01,00,00,00,
+-500000,00000142,false,Tx,0,8,9A,00,00,00,00,00,00,00,
+-499750,00000142,false,Rx,0,8,9A,32,00,E7,01,00,00,00,
+"""
+
+
+@pytest.mark.parametrize("suffix", [".log", ".asc", ".blf"])
+def test_a_split_log_of_times_before_the_epoch_is_read_again(suffix: str) -> None:
+    """ASC and BLF count from the first frame."""
+    decode(EARLY, *SETTINGS, "--split", f"split{suffix}")
+    printed = json_rows(run(f"split{suffix}", *SETTINGS, "--format", "jsonl").stdout)
+    assert [(row["direction"], row["command"]) for row in printed] == [
+        ("request", "read_status_1"),
+        ("reply", "read_status_1"),
+    ] * 2
+    times = [Fraction(str(row["time"])) for row in printed]
+    start = Fraction(-1769000000020000) if suffix == ".log" else times[0] * 1_000_000
+    since = [Fraction(line.split(",")[0]) + 1769000000020000 for line in EARLY.splitlines()[1:]]
+    assert [round(time * 1_000_000 - start) for time in times] == since
+
+
 # 5000 of at most 2048; 32768 of the 16384 numbers of an encoder of 14 bits
 OUTSIDE = """\
 (1.000000) can0 141#A10000009B000000

@@ -37,7 +37,7 @@ class RecordedFrame(NamedTuple):
 
 
 SHORT = re.compile(
-    r"(?:\((?P<time>[\d.]+)\)\s+)?(?:(?P<bus>\S+)\s+)?(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(?P<fd>#[0-9A-Fa-f])?"
+    r"(?:\((?P<time>-?[\d.]+)\)\s+)?(?:(?P<bus>\S+)\s+)?(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(?P<fd>#[0-9A-Fa-f])?"
     r"(?P<data>[Rr]\d?|(?:[0-9A-Fa-f]{2}\.?)*)(?:_[0-9A-Fa-f])?(?:\s+(?P<mark>[RT]))?(?:\s+[B-]\s*[E-]?)?"
 )
 """A line of a log or of cansend, without white space at its ends."""
@@ -105,11 +105,12 @@ def _nanoseconds(written: str | None) -> int | None:
     """A time stamp in nanoseconds; a date is read as UTC. None without one, or with one of no known form."""
     if written is None:
         return None
-    seconds, _, fraction = written.rpartition(".")
+    sign = -1 if written.startswith("-") else 1
+    seconds, _, fraction = written.removeprefix("-").rpartition(".")
     if fraction.isdigit() and seconds.isdigit():
         if int(seconds) > MAX_SECONDS:
             return None
-        return int(seconds) * 1_000_000_000 + int(fraction[:9].ljust(9, "0"))
+        return sign * (int(seconds) * 1_000_000_000 + int(fraction[:9].ljust(9, "0")))
     try:
         date = datetime.strptime(seconds, "%Y-%m-%d %H:%M:%S").replace(tzinfo=timezone.utc)
     except ValueError:
