@@ -222,7 +222,7 @@ def test_differences_of_times_and_times_that_cannot_be_read_are_stated() -> None
     text = decode("".join(lines[1:3]), *SETTINGS, "--time-differences").stdout
     assert "#1  0.010000" in text
     text = decode(lines[0] + lines[1].replace("000.000200", "1.2.3"), *SETTINGS, status=1).stdout
-    assert "1 frame without a time, since it cannot be read (line 2: `(1.2.3)  can0  142" in text
+    assert "1 frame without a time, since it cannot be read (line 2: `(1.2.3) can0 142" in text
 
 
 EARLY = """\
@@ -247,6 +247,51 @@ def test_a_split_log_of_times_before_the_epoch_is_read_again(suffix: str) -> Non
     start = Fraction(-1769000000020000) if suffix == ".log" else times[0] * 1_000_000
     since = [Fraction(line.split(",")[0]) + 1769000000020000 for line in EARLY.splitlines()[1:]]
     assert [round(time * 1_000_000 - start) for time in times] == since
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "can0  141   [8]  9A 00 00 00 00 00 00 00",
+        " (1.5)  can0  RX - -  141   [8]  9A 00 00 00 00 00 00 00   '........'",
+        "141 9A 00 00 00 00 00 00 00",
+        "0x141#9A00000000000000",
+        "141: 0x9A, 0x00, 0, 0".replace(" 0, 0", " " + ", ".join(["00"] * 6)),
+        "<0x141> [8] 9a 00 00 00 00 00 00 00",
+        "1.5 1  141  Rx   d 8 9A 00 00 00 00 00 00 00",
+        "  7)      1059.9  Rx     0141  8  9A 00 00 00 00 00 00 00",
+        f"Timestamp: 1700000000.000000 {' ' * 300} ID: 0141    S Rx    DL:  8    9a 00 00 00 00 00 00 00     Channel: can0",
+        "t14189A00000000000000",
+    ],
+)
+def test_a_line_that_is_pasted_is_explained(text: str) -> None:
+    output = run(text, "--spec", str(V2_35)).stdout
+    assert output.startswith("141#9A00000000000000\n") and "request of read_status_1 to node 1" in output
+
+
+@pytest.mark.parametrize("text", ["bus2.log", "141 9G", "141", "9" * 300])
+def test_a_text_without_a_frame_is_the_name_of_a_file(text: str) -> None:
+    assert "does not exist" in run(text, status=2).output
+
+
+def test_requests_without_all_bytes_are_named() -> None:
+    text = decode("".join(f"({n}.0) can0 141#9A\n" for n in range(4)), status=1).stdout
+    assert "4 frames with foreign ids: 0x141 (4)\n  0x141 has 1 data byte, not 8, as in 141#9A" in text
+    assert "not 8" not in decode("(1.0) can0 7FF#9A\n", *SETTINGS).stdout
+
+
+def test_a_log_of_error_frames_alone_names_their_causes() -> None:
+    text = decode("(1.0) can0 20000004#0001000000000000\n" * 2, status=2).output
+    assert "bus.log has 2 error frames and no frames; check that the bit rate is that of the nodes" in text
+
+
+def test_replies_to_a_broadcast_are_counted_with_it() -> None:
+    exchange = (
+        "(1.0) can0 280#64009CFFC8000000\n(1.0003) can0 142#A12A9CFFF0FF0050\n(1.0006) can0 143#A12AC80020000060\n"
+    )
+    text = decode(exchange, "--set", "edition=v2.35").stdout
+    assert "can0, no node, v2.35: 1 request, 2 replies of the nodes that it addresses\n" in text
+    assert "can0, node 2, v2.35: 0 requests, 1 reply after 0.300 ms" in text
 
 
 # 5000 of at most 2048; 32768 of the 16384 numbers of an encoder of 14 bits

@@ -28,6 +28,7 @@ from ..recordings.new_files import is_overwritten, new_file, new_folder, same_pa
 from ..recordings.nodes import Identifiers, Nodes, NodeSetting, common_edition, follow, nodes_of
 from ..recordings.packages import MissingPackageError
 from ..recordings.parquet import ParquetTables
+from ..recordings.pasted import pasted_frame
 from ..recordings.readers import STANDARD_INPUT, Log, LogError, open_log
 from ..recordings.rows import Row, RowReader
 from ..recordings.summary import Summary
@@ -44,7 +45,7 @@ BLOCK = 500
 
 
 class LogOrFrame(click.Path):
-    """The name of a log, or a frame in the notation of candump."""
+    """The name of a log, or a frame as candump or another program prints it."""
 
     name = "log or frame"
 
@@ -52,14 +53,23 @@ class LogOrFrame(click.Path):
         super().__init__(exists=True, dir_okay=False, allow_dash=True)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        if isinstance(value, str) and "#" in value and not Path(value).exists():
-            counts = Counts()
-            frames = [recorded.frame for recorded in candump.read([f"{value}\n"], counts)]
-            if not frames:
+        if isinstance(value, str) and not _exists(value):
+            frame = pasted_frame(value)
+            if frame is not None:
+                return frame
+            if "#" in value:
+                counts = Counts()
+                list(candump.read([f"{value}\n"], counts))
                 part = next(iter(counts.skipped)).value
                 self.fail(f"`{visible(value)}` is neither a file nor a frame such as 141#A100FF ({part})", param, ctx)
-            return frames[0]
         return super().convert(value, param, ctx)
+
+
+def _exists(name: str) -> bool:
+    try:
+        return Path(name).exists()
+    except (OSError, ValueError):  # as of a name that is too long
+        return False
 
 
 class OutputPath(FilePath):

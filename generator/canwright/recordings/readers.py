@@ -50,7 +50,7 @@ _BINARY: dict[bytes, Callable[[BinaryIO, Counts], Iterator[LogFrame]]] = {
 _SEEKING = {b"MDF ": "MF4", b"UnFinMF ": "MF4", sqlite_table.MAGIC: "a database"}
 """What is read at many places, so that it cannot be a stream."""
 _MARKED = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
-_TEXTS = {
+TEXTS = {
     "asc": asc.read,
     "busmaster": busmaster.read,
     "candump": candump.read,
@@ -108,6 +108,12 @@ class Log:
             self.counts.skip(SkippedPart.TRUNCATED, 0, str(error))
         finally:
             self.counts.frames = frames
+        errors = self.counts.skipped[SkippedPart.ERROR]
+        if errors and not self.counts.frames and not self.is_ended:
+            raise LogError(
+                f"{self.name} has {errors} error frames and no frames; check that the bit rate is that of the nodes, and the "
+                "wiring, the termination and the supply of the bus"
+            )
         if not self.counts.frames and not self.is_ended:
             raise LogError(
                 f"{self.name} has no frames{_found(self.counts)}; record it with `candump -l`, or as "
@@ -192,7 +198,7 @@ def _frames(
     encoding = next((name for mark, name in _MARKED.items() if start.startswith(mark)), _unmarked(start))
     lines = _lines(io.TextIOWrapper(source, encoding, errors="replace"))
     form = form_of(start.decode(encoding, "replace").lstrip("\ufeff"))
-    frames = _TEXTS[form](lines, counts)
+    frames = TEXTS[form](lines, counts)
     return since_start(frames, counts, ahead if form == "candump" else 0, are_differences=are_differences)
 
 
