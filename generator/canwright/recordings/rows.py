@@ -165,7 +165,10 @@ class RowReader:
                 field.type.joined is None and _scale(field.type, assignment) is not None for field, _, _ in listed
             ),
             limits=tuple(
-                (at, limit) for at, (field, _, _) in enumerate(listed) for limit in _limits(field, assignment)
+                (at, limit)
+                for at, (field, _, _) in enumerate(listed)
+                if not isinstance(field.role, CounterRole)  # the summary of its gaps counts its values
+                for limit in _limits(field, assignment)
             ),
             counters=tuple(
                 (at, role) for at, (field, _, _) in enumerate(listed) if isinstance(role := field.role, CounterRole)
