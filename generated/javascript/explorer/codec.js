@@ -599,6 +599,36 @@ function countSteps([first, last], previous, value) {
 const ID = -1; // the `byte` of a segment in the CAN id
 const NOTHING = /* @__PURE__ */ Object.freeze(/* @__PURE__ */ Object.create(null));
 
+/** The counters of one sender: those of each message to or from each node increase separately. */
+class Numbering {
+  #edition;
+  #sent = new Map();
+
+  constructor(edition) {
+    this.#edition = edition;
+  }
+
+  /** The message to send: the first of its command and node as it is, each further one with the next counters. */
+  next(message) {
+    const { direction, command, node, parameters } = message;
+    const { fields } = this.#edition.MESSAGES.find((known) => known.direction === direction && known.command === command);
+    const counters = fields.filter((field) => field.counter !== null && own(message.raw, field.name) !== undefined);
+    if (!counters.length) {
+      return message;
+    }
+    const key = JSON.stringify([direction, command, node]);
+    const sent = this.#sent.get(key) ?? NOTHING;
+    const raw = { ...message.raw };
+    for (const { name, counter } of counters.filter((field) => own(sent, field.name) !== undefined)) {
+      raw[name] = nextCount(counter, Number(sent[name]));
+    }
+    const encode = direction === "request" ? this.#edition.encodeRequest : this.#edition.encodeReply;
+    const numbered = encode(command, { node: node ?? undefined, raw, parameters });
+    this.#sent.set(key, { ...sent, ...Object.fromEntries(counters.map(({ name }) => [name, numbered.raw[name]])) });
+    return numbered;
+  }
+}
+
 /** The functions of an edition; see `Edition` in canwright-codec.d.ts for its members. */
 function createEdition(tables) {
   const codec = new Codec(tables);

@@ -114,6 +114,27 @@ class Node(Generic[Q, A]):
         return self.edition.decode_reply(can_id, data, self.parameters, extended=extended, remote=remote)
 
 
+class Numbering:
+    """The counters of one sender: those of each message to or from each node increase separately."""
+
+    def __init__(self) -> None:
+        self._sent: dict[tuple[type[Message], int | None], dict[str, Any]] = {}
+
+    def next(self, message: M) -> M:
+        """The message to send: the first of its class and node as it is, each further one with the next counters.
+
+        Raises CodecError as `check` does; the counters do not increase then.
+        """
+        if not message.COUNTERS:
+            return message
+        key = type(message), message.node
+        sent = self._sent.get(key, {})
+        counters = {name: counter.next(sent[name]) for name, counter in message.COUNTERS.items() if name in sent}
+        message = message.replace(**{name: value for name, value in counters.items() if name in message.fields()})
+        self._sent[key] = sent | {name: raw for name, raw in message.raw().items() if name in message.COUNTERS}
+        return message
+
+
 Key = int | tuple[int, bool, bool]
 """A CAN id; with `extended` and `remote` where one of them is True."""
 

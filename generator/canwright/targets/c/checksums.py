@@ -12,6 +12,7 @@ from ...semantics.checksum import ChecksumPlan, FrameByte
 from ...semantics.plan import CheckChecksum
 from . import bits
 from .expressions import call, operand
+from .names import Names
 
 VARIABLE = "checksum"
 """The variable whose value packing writes."""
@@ -25,9 +26,25 @@ class ChecksumStep(NamedTuple):
     last: int = 0
 
 
-class ChecksumView(NamedTuple):
-    """The initial value, the steps and the result of the function; the writes of packing, and the field of a frame."""
+class CrcView(NamedTuple):
+    """A function for one more byte of a CRC: bit by bit, or with a table of 16 `entries` of the type `kind`.
 
+    With it, `applied` is the register with the byte, and `step` the register `next` after four of its bits.
+    """
+
+    name: str
+    doc: str
+    kind: str
+    entries: tuple[str, ...]
+    applied: str
+    step: str
+    bit_by_bit: str
+
+
+class ChecksumView(NamedTuple):
+    """The function for its bytes if it is a CRC; the initial value, the steps and the result of the function; the writes of packing, and the field of a frame."""
+
+    crc: CrcView | None
     doc: str
     init: str
     steps: tuple[ChecksumStep, ...]
@@ -40,42 +57,60 @@ class ChecksumView(NamedTuple):
         return any(step.last for step in self.steps)
 
 
-def checksum_view(check: CheckChecksum) -> ChecksumView:
+def checksum_view(names: Names, check: CheckChecksum) -> ChecksumView:
     field, plan = check.field, check.checksum
     role = field.role
     assert isinstance(role, ChecksumRole)
     segments, width = field.elements[0].segments, field.type.width
+    crc = _crc(names, plan) if plan.arithmetic is Arithmetic.CRC else None
     return ChecksumView(
+        crc=crc,
         doc=f"The checksum of a frame in `{field.name}`: {formatting.checksum(role)}.",
         init=f"0x{plan.init:X}u",
-        steps=tuple(_steps(plan)),
+        steps=tuple(_steps(plan, crc)),
         result=_result(plan),
         writes=tuple(bits.write_segments(field.space, segments, width, VARIABLE)),
         read=operand(bits.read_segments(field.space, segments, width)),
     )
 
 
-def _steps(plan: ChecksumPlan) -> Iterator[ChecksumStep]:
+def _crc(names: Names, plan: ChecksumPlan) -> CrcView:
+    poly, width = f"0x{plan.poly:X}u", plan.width
+    given = ("crc", "byte", poly) if plan.is_reflected else ("crc", "byte", poly, f"{width}u")
+    kind = next(bits_ for bits_ in (8, 16, 32) if width <= bits_)
+    reflected = ", lowest bit first" if plan.is_reflected else ""
+    index = "next & 0xFu" if plan.is_reflected else f"next >> {width - 4}"
+    left = "next << 4" if width == 32 else f"(next << 4) & 0x{plan.mask:X}u"
+    high = f"((uint32_t)byte << {width - 8})" if width > 8 else "byte"
+    return CrcView(
+        name=names.crc(plan),
+        doc=f"A CRC register of {width} bits after one more byte{reflected}; by a table with CANWRIGHT_CRC_TABLE.",
+        kind=f"uint{kind}_t",
+        entries=tuple(f"0x{plan.next(0, n << 4 if plan.is_reflected else n):0{kind // 4}X}u" for n in range(16)),
+        applied="crc ^ byte" if plan.is_reflected else f"crc ^ {high}",
+        step=f"({'next >> 4' if plan.is_reflected else left}) ^ table[{index}]",
+        bit_by_bit=call("canwright_crc_reflected" if plan.is_reflected else "canwright_crc", *given),
+    )
+
+
+def _steps(plan: ChecksumPlan, crc: CrcView | None) -> Iterator[ChecksumStep]:
     for run in plan.runs:
         if not isinstance(run, range):
-            yield from (ChecksumStep(_next(plan, _byte(part))) for part in run)
+            yield from (ChecksumStep(_next(plan, crc, _byte(part))) for part in run)
         elif len(run) == 1:
-            yield ChecksumStep(_next(plan, f"frame->data[{run.start}]"))
+            yield ChecksumStep(_next(plan, crc, f"frame->data[{run.start}]"))
         else:
-            yield ChecksumStep(_next(plan, "frame->data[i]"), run.start, run.stop - 1)
+            yield ChecksumStep(_next(plan, crc, "frame->data[i]"), run.start, run.stop - 1)
 
 
 def _byte(part: FrameByte | int) -> str:
     return f"0x{part:02X}u" if isinstance(part, int) else bits.read_segments(part.space, part.segments, 8)
 
 
-def _next(plan: ChecksumPlan, byte: str) -> str:
-    if plan.arithmetic is not Arithmetic.CRC:
+def _next(plan: ChecksumPlan, crc: CrcView | None, byte: str) -> str:
+    if crc is None:
         return f"{VARIABLE} {'+' if plan.arithmetic is Arithmetic.SUM else '^'}= {byte}"
-    given = f"(uint8_t){operand(byte)}" if " " in byte else byte
-    if plan.is_reflected:
-        return f"{VARIABLE} = {call('canwright_crc_reflected', VARIABLE, given, f'0x{plan.poly:X}u')}"
-    return f"{VARIABLE} = {call('canwright_crc', VARIABLE, given, f'0x{plan.poly:X}u', f'{plan.width}u')}"
+    return f"{VARIABLE} = {call(crc.name, VARIABLE, f'(uint8_t){operand(byte)}' if ' ' in byte else byte)}"
 
 
 def _result(plan: ChecksumPlan) -> str:

@@ -128,7 +128,7 @@ class LayoutView:
         self.check = _ordered_body(names, layout, lambda variant: _checks(names, plan.encoding, variant, types))
         self.pack = _body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared, values))
         self.counters = [_counter(names, layout, f) for f in stored if isinstance(f.role, CounterRole)]
-        self.checksum = checksum_view(plan.checksum) if plan.checksum else None
+        self.checksum = checksum_view(names, plan.checksum) if plan.checksum else None
         self.unpack = _body(names, layout, lambda variant: _reads(plan.decoding, variant))
         self.show = _ordered_body(names, layout, lambda variant: _shows(names, variant, types))
 

@@ -14,10 +14,13 @@ from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
+from ...model.checksum import Arithmetic
 from ...model.edition import Edition
 from ...model.layout import ChecksumRole, CounterRole, Field, Layout, Segment, Space
 from ...model.message import Direction, Message
 from ...model.types import Parameter, Type
+from ...semantics.checksum import ChecksumPlan
+from ...semantics.plan import message_plan
 from ..base import NameProblem
 
 SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_print.h", "canwright_selftest.h")
@@ -174,6 +177,10 @@ class Names:
             if time is not None:
                 yield self.upper(message.name, name)
 
+    def crc(self, plan: ChecksumPlan) -> str:
+        """The function for one more byte of a CRC."""
+        return self.lower("crc", str(plan.width), f"{plan.poly:X}", *(["reflected"] if plan.is_reflected else []))
+
     def type_stem(self, type_: Type) -> str:
         """The part of the names of a type that stands for it: its name, `speed`, or with its raw format, `speed_i16`."""
         return self._types[type_.name]
@@ -274,6 +281,7 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
         what = _layout(layout)
         yield from ((name, what, path) for name, path in _layout_names(names, layout))
         yield from ((names.upper("field", f.name), f"the field name `{f.name}`", f.path) for f in layout.fields)
+    yield from _crcs(names, edition)
     for command in edition.commands:
         for name in (names.command(command.name), names.upper(command.name, "code")):
             yield name, f"the command `{command.name}`", command.path
@@ -283,6 +291,12 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
         own = message.name == message.layout.name
         yield names.lower(message.name, "t"), _layout(message.layout) if own else what, message.path
         yield from ((names.lower(message.name) + e, what, message.path) for e in MESSAGE_ENDINGS)
+
+
+def _crcs(names: Names, edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
+    for check in filter(None, (message_plan(message).checksum for message in edition.all_messages())):
+        if check.checksum.arithmetic is Arithmetic.CRC:
+            yield names.crc(check.checksum), "a CRC", check.field.path
 
 
 def _layout_names(names: Names, layout: Layout) -> Iterator[tuple[str, DocumentPath]]:

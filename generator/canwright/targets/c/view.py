@@ -148,6 +148,8 @@ class EditionView:
         self._types = {view.name: view for view in self.types}
         views = {layout: LayoutView(names, edition, layout, self._types) for layout in used}
         self.layouts = [views[layout] for layout in used if layout.shared]
+        checksums = [view.checksum for view in views.values() if view.checksum]
+        self.crcs = list(dict.fromkeys(checksum.crc for checksum in checksums if checksum.crc))
         self._messages = messages = Messages(names, edition, views)
         self.fd = messages.fd
         self.frame = f"canwright_{self.fd}frame_t"

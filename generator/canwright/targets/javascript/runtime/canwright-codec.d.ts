@@ -31,13 +31,28 @@ export type Refusal =
   | "no_value"
   | "wrong_message";
 
-/** A frame or a value is rejected. The error of a received frame has no `stack`. */
 /** The value of a counter in the next frame; `counter` is the first and the last value, as `MESSAGES` has them. */
 export function nextCount(counter: readonly [number, number], value: number): number;
 
 /** So many increments lead from one value to another; 0 if they are equal, or if one of them is outside of the range. */
 export function countSteps(counter: readonly [number, number], previous: number, value: number): number;
 
+/** The counters of one sender: those of each message to or from each node increase separately. */
+export class Numbering {
+  /** `edition` is the module of an edition. */
+  constructor(edition: {
+    readonly MESSAGES: readonly MessageDescription[];
+    readonly encodeRequest: (...given: any[]) => unknown;
+    readonly encodeReply: (...given: any[]) => unknown;
+  });
+  /**
+   * The message to send: the first of its command and node as it is, each further one with the next counters.
+   * Throws as the encoder does; the counters do not increase then.
+   */
+  next<M extends Message<Direction, unknown, unknown, unknown>>(message: M): M;
+}
+
+/** A frame or a value is rejected. The error of a received frame has no `stack`. */
 export class CodecError extends Error {
   readonly name: "CodecError";
   readonly refusal: Refusal;

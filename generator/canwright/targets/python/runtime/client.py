@@ -30,7 +30,7 @@ from .exchange import (
     Frame,
     Line,
 )
-from .nodes import Node
+from .nodes import Node, Numbering
 from .python_can import to_message
 
 if TYPE_CHECKING:
@@ -202,6 +202,7 @@ class ClientCore:
         self.bus = bus
         self.nodes: dict[int, Node[Any, Any]] = {}
         self.counters = Counters()
+        self._numbering = Numbering()
         self.unsolicited: deque[Message] = deque(maxlen=UNSOLICITED)
         """Frames that nodes sent without a request, the oldest first."""
         self._allow = allow
@@ -393,6 +394,7 @@ class ClientCore:
         for node in nodes:
             self._check_consent(node, request, allow)
         self._check_bus()
+        request = self._numbering.next(request)
         message = to_message(request)
         lines = [self._lines[node.node] for node in nodes]
         for job in (yield from self._settle(lines)):
@@ -414,7 +416,7 @@ class ClientCore:
         for job in (yield from self._settle(self._lines[node.node] for node in nodes)):
             if job.error is not None:
                 raise NotSent(f"{request} was not sent, because a node does not answer") from job.error
-        if not self.transmit(to_message(request)):
+        if not self.transmit(to_message(self._numbering.next(request))):
             raise NotSent(f"{request} was not sent: the queue of the driver is full")
         self.counters.sent += 1
 
@@ -431,12 +433,13 @@ class ClientCore:
                 self._check_tries(node, request, tries)
             try:
                 self._check_consent(node, request, allow)
-                call = self._call(node, request, timeout)
+                numbered = self._numbering.next(request)
+                call = self._call(node, numbered, timeout)
             except (ConsentError, CodecError) as error:
                 jobs.append(error if isinstance(error, ConsentError) else _refused(request, error))
                 continue
             self._note(node, request)
-            jobs.append(_Job(self._lines[node.node], request, call, to_message(request), tries))
+            jobs.append(_Job(self._lines[node.node], numbered, call, to_message(numbered), tries))
         self._check_bus()
         yield from self._exchange([job for job in jobs if isinstance(job, _Job)])
         now = time.monotonic()
