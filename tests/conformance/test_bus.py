@@ -11,7 +11,7 @@ import pytest
 from canwright.model.golden_frames import GoldenFrame
 from canwright.model.message import Direction
 from canwright.project.loader import specification
-from canwright.semantics.frame import CanFrame, node_of
+from canwright.semantics.frame import CanFrame, code_of, node_of
 from canwright.targets.python.target import PythonTarget
 
 from ..spec_texts import ROOT, SPECS, called
@@ -72,7 +72,9 @@ def test_golden_frames_cross_a_python_can_bus(
 
 
 def _message(adapter: PythonAdapter, frame: GoldenFrame) -> object:
-    return adapter.message(frame.direction, frame.command, frame.node, frame.raw, frame.parameters)
+    message = adapter.message_of(frame.direction, frame.command)
+    code = code_of(message, CanFrame(frame.id, frame.data, frame.extended, frame.remote))
+    return adapter.message(frame.direction, frame.command, frame.node, frame.raw, frame.parameters, code)
 
 
 @pytest.mark.parametrize(("spec", "switches_rate"), [("servo", True), ("tank", False)])
