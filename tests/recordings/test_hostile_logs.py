@@ -66,7 +66,7 @@ def test_headers_that_are_unusual(tmp_path: Path, text: str, seconds: float) -> 
         ("Time Stamp,ID,Extended\n1,141,false\n", "names no column LEN; export it again"),
         (SAVVYCAN.replace("Extended", "Extended?") + SAVVYCAN_FRAME, "names no column Extended; export it again"),
         (
-            gzip.compress(gzip.compress(ASC_FRAME.encode())),
+            gzip.compress(gzip.compress(ASC_FRAME.encode(), mtime=0), mtime=0),
             "compressed log contains another compressed file, MF4 or a database",
         ),
         (
@@ -197,7 +197,7 @@ def _whole(tmp_path: Path, form: str) -> bytes:
     if form == "utf-16":
         return texts["savvycan"].encode(form)
     if form == "gz":
-        return gzip.compress((ASC + 9 * ASC_FRAME).encode())
+        return gzip.compress((ASC + 9 * ASC_FRAME).encode(), mtime=0)
     if form in texts:
         return texts[form].encode()
     file = tmp_path / f"whole.{form}"
