@@ -74,9 +74,32 @@ def test_generate_writes_nothing_for_a_spec_with_an_error(folder: Path) -> None:
     assert not (folder / "out").exists()
 
 
+def test_a_folder_with_nothing_but_a_spec_is_a_project(folder: Path) -> None:
+    (folder / "compose.yaml").write_text("services: {lamp: {image: canwright}}\n", "utf-8")
+    assert run("check").stdout == "lamp v1: OK\n"
+    assert run("generate").stdout.startswith("lamp v1: ")
+    assert run("check").stdout == "lamp v1: OK, and generated/ is up to date\n"
+    editions = run("editions").output
+    assert "lamp" in editions and "mwd_motor" not in editions
+    (folder / "my.yaml").write_text(f"\ufeff# a lamp\n{MINIMAL}", "utf-8")
+    assert run("check").stdout == "lamp v1: OK, and generated/ is up to date\n"
+    (folder / "my.yaml").write_text(MINIMAL.replace("scale: 0.1", "scale: 0.2"), "utf-8")
+    assert "differ from the specs [stale-output]" in run("check").stderr
+
+
+def test_a_project_without_output_gets_one_finding_and_no_comparison(folder: Path) -> None:
+    (folder / "spec/lamp").mkdir(parents=True)
+    (folder / "my.yaml").rename(folder / "spec/lamp/v1.yaml")
+    result = run("check")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert "\ngenerated:1:1: error: there is no folder generated/ to compare with the specs" in result.stderr
+
+
 def test_the_exit_status_is_2_if_the_command_cannot_run(folder: Path) -> None:
+    (folder / "my.yaml").rename(folder / "my.yml")
     result = run("generate")
-    assert (result.exit_code, "no spec found in spec/" in result.output) == (2, True)
+    assert (result.exit_code, "no spec found in spec/ or here; " in result.output) == (2, True)
+    (folder / "my.yml").rename(folder / "my.yaml")
     assert run("generate", "--spec", "missing.yaml").exit_code == 2
     result = run("generate", "--spec", "my.yaml", "--set", "size=big", "--out", "out")
     assert (result.exit_code, result.output.endswith("; the spec has no parameters\n")) == (2, True)
@@ -105,6 +128,7 @@ def test_wrong_usage_is_answered_with_a_suggestion(folder: Path) -> None:
 
 @pytest.mark.parametrize("arguments", [("show", "set_torque"), ("editions",)])
 def test_without_specs_the_editions_of_the_package_are_shown(folder: Path, arguments: tuple[str, ...]) -> None:
+    (folder / "my.yaml").unlink()
     result = run(*arguments)
     assert (result.exit_code, "mwd_motor" in result.output) == (0, True)
 

@@ -71,7 +71,14 @@ def answers(item: EditionInput, x: Example) -> dict[Frame, list[Frame]]:
         for frame in item.frames.frames
         if class_name(f"{frame.command}_request") == x.request and frame.direction is Direction.REQUEST
     ]
-    replies = {(frame.id, frame.data): [(x.frame.id, x.frame.data)] for frame in sent}
+    command = next(command for command in item.edition.commands if class_name(f"{command.name}_request") == x.request)
+    parts = [
+        (frame.id, frame.data)
+        for frame in item.frames.frames
+        if (frame.command, frame.direction, frame.id) == (command.name, Direction.REPLY, x.frame.id)
+    ]
+    several = command.reply is not None and command.reply.sequence is not None
+    replies = {(frame.id, frame.data): parts if several else [(x.frame.id, x.frame.data)] for frame in sent}
     for command in item.edition.commands:
         if is_read(item.edition, command) or command.ends_motion is not None:
             assert command.request is not None and command.reply is not None

@@ -16,7 +16,7 @@ from ..diagnostics.unicode_safety import visible
 from ..model.formatting import counted
 from ..output.new_files import write_new
 from ..project.configuration import Configuration, candidates, configuration_file, read_configuration
-from ..project.loader import Loaded, all_loaded, frames_file, spec_files, specs_below
+from ..project.loader import Loaded, all_loaded, frames_file, project_specs, spec_files, specs_below
 from ..targets.base import EditionInput
 from ..templating.resources import SPECS
 from . import COULD_NOT_RUN
@@ -82,7 +82,8 @@ spec_option = click.option(
     multiple=True,
     type=FilePath(exists=True),
     callback=_specs,
-    help="A spec, or a folder of specs, to read; may be given several times.  [default: spec/*/*.yaml]",
+    help="A spec, or a folder of specs, to read; may be given several times.  [default: spec/*/*.yaml, or without them "
+    "the specs in the current folder]",
 )
 format_option = click.option(
     "--format",
@@ -121,16 +122,22 @@ def read(specs: Sequence[Path], printer: str = "text", *, packaged: bool = False
 
 def or_packaged(specs: Sequence[Path]) -> Sequence[Path]:
     """The given specs; without any, and without a folder of specs, those in the package."""
-    return specs if specs or spec_files(SPEC_FOLDER) else spec_files(SPECS)
+    return specs or project_specs(Path(), SPEC_FOLDER) or spec_files(SPECS)
 
 
 def load(
     specs: Sequence[Path], printer: str = "text", record: RunRecord | None = None, *, for_output: bool = True
 ) -> list[Loaded]:
     """The given specs, or all specs, with their warnings and documents. Errors are printed and exit the command."""
-    files = list({file.resolve(): file for file in specs}.values()) or spec_files(SPEC_FOLDER)
+    files = list({file.resolve(): file for file in specs}.values())
+    try:
+        files = files or project_specs(Path(), SPEC_FOLDER)
+    except OSError as error:
+        stop(str(error))
     if not files:
-        stop(f"no spec found in {SPEC_FOLDER}/; change to its parent folder, or give a spec as --spec my.yaml")
+        stop(
+            f"no spec found in {SPEC_FOLDER}/ or here; change to its folder, give one as --spec my.yaml, or `canwright init`"
+        )
     if record:
         record.watch([*(file for spec in specs or files for file in (spec, frames_file(spec))), *candidates()])
     settings = configuration()[0].check

@@ -10,7 +10,7 @@ import click
 from ..diagnostics.diagnostic import Diagnostic, Position, Severity
 from ..output.paths import OutputError
 from ..output.writer import Content, FileChanges, difference, write
-from .common import FINDINGS, OUT_FOLDER, FilePath, cache_option, findings_text, show, show_findings, stop
+from .common import FINDINGS, OUT_FOLDER, SPEC_FOLDER, FilePath, cache_option, findings_text, show, show_findings, stop
 from .generation import Generation, GenerationCommand, generation_options
 from .run_record import Printed
 from .terminal import print_text
@@ -66,10 +66,12 @@ def _summary(generation: Generation, content: Content, changes: FileChanges, out
 def check(generation: Generation, out: Path | None, strict: bool) -> None:
     """Check the specs, and compare the output with them.
 
-    Prints a unified diff and exits 1 if the output differs. With --spec but without --out, only the spec is checked.
+    Prints a unified diff and exits 1 if the output differs. Only the spec is checked with --spec but without --out, and in a
+    folder with a spec but without spec/ and output.
     """
     warned = FINDINGS if generation.warnings and strict else 0
-    if generation.has_specs and out is None:
+    is_new = not SPEC_FOLDER.exists() and not OUT_FOLDER.exists()
+    if out is None and (generation.has_specs or is_new):
         show(_report(generation, f"{generation.editions}: OK"))
         sys.exit(warned)
     out = out or OUT_FOLDER
@@ -84,10 +86,12 @@ def check(generation: Generation, out: Path | None, strict: bool) -> None:
         if not warned:
             generation.save(out, content, report)
         sys.exit(warned)
-    if generation.printer == "text":
+    if generation.printer == "text" and out.exists():
         for text in differences:
             print_text(text)
     differs = f"{len(differences)} files in {out.as_posix()}/ differ from the specs"
+    if not out.exists():
+        differs = f"there is no folder {out.as_posix()}/ to compare with the specs"
     place = Position(out.as_posix(), 1, 1, 1, "")
     stale = Diagnostic(Severity.ERROR, "stale-output", differs, place, "run `canwright generate`")
     show_findings([*generation.warnings, stale], generation.printer)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..diagnostics.diagnostic import Diagnostic, SpecError
-from ..document.document import Document, read_document
+from ..document.document import MAX_BYTES, Document, read_document
 from ..language.decoder import decode
 from ..language.edition import EditionSpec
 from ..language.references import check_references
@@ -117,6 +118,21 @@ def frames_file(file: Path) -> Path:
 def spec_files(folder: Path) -> list[Path]:
     """The specs below a folder: `FAMILY/EDITION.yaml`, without golden frames."""
     return sorted(f for f in folder.glob("*/*.yaml") if not f.name.endswith(FRAMES_SUFFIX))
+
+
+def project_specs(folder: Path, specs: Path) -> list[Path]:
+    """The specs of the project in a folder: those below its folder `specs`, or else the files in it that start as specs do.
+
+    Other YAML files lie in the folder of a project, too, so a spec in it is known by its key `canwright`.
+    """
+    return spec_files(folder / specs) or [
+        file for file in specs_below(folder) if file.parent == folder and _is_spec(file)
+    ]
+
+
+def _is_spec(file: Path) -> bool:
+    with file.open("rb") as content:
+        return re.search(rb"^(\xef\xbb\xbf)?canwright *:", content.read(MAX_BYTES), re.MULTILINE) is not None
 
 
 def specs_below(folder: Path) -> list[Path]:

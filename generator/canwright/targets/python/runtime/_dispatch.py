@@ -239,14 +239,19 @@ class Router(Generic[P, M]):
         message = route.unpack(node, can_id, data, parameters)
         return message
 
-    def find(self, can_id: int, extended: bool, remote: bool, parameters: Any = None) -> tuple[Route, int | None]:
-        """The route and the node of an id. Raises CodecError: unknown_id, or missing_parameter if it may have an id then."""
+    def find(
+        self, can_id: int, extended: bool, remote: bool, parameters: Any = None, only: type[Message] | None = None
+    ) -> tuple[Route, int | None]:
+        """The route and the node of an id, of any message or one.
+
+        Raises CodecError: unknown_id, or missing_parameter if it may have an id then.
+        """
         listed = self._listed.get((can_id, extended, remote))
         if listed is not None:
             return listed
         unknown = ""
         for route in self._unlisted:
-            if route.kind == (extended, remote):
+            if route.kind == (extended, remote) and (only is None or only in route.classes):
                 ours, node = route.node(can_id, parameters)
                 if ours:
                     return route, node
@@ -588,7 +593,7 @@ class Dispatcher(Generic[P, Q, M]):
     ) -> int | None:
         """The node that sent the reply of an answer. Raises CodecError when the frame is not this reply."""
         reply = answer.reply
-        route, node = self.replies.find(can_id, *kind, parameters)
+        route, node = self.replies.find(can_id, *kind, parameters, reply)
         if reply not in route.classes:
             raise CodecError(Refusal.UNKNOWN_ID, f"0x{can_id:X} is no id of {reply.__name__}")
         if can_id & answer.unused:

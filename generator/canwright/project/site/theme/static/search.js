@@ -190,6 +190,17 @@ function createSearch(index, language) {
     return { word: term.word, same: [...new Set(same)], factor: TYPO };
   }
 
+  /** Instead of a Chinese term that nothing contains, not even with a typo: the longest parts of it that texts contain. */
+  function pieces(term) {
+    const list = [];
+    const isIn = part => items.some(({ texts }) => texts.some(text => text.includes(part))) || groups.some(group => group.includes(part));
+    for (let at = 0, end = term.word.length; CHINESE.test(term.word) && at < term.word.length - 1; at = end, end = term.word.length) {
+      while (end - at > 1 && !isIn(term.word.slice(at, end))) { end--; }
+      if (end - at > 1) { list.push(...terms(term.word.slice(at, end))); }
+    }
+    return list.length ? list : [term];
+  }
+
   /** The item of an id, with the node that it belongs to; null for another id. */
   function ofId(item, query) {
     const digits = item.ids && query.match(/^(?:0x)?([0-9a-f]{2,8})h?$/u);
@@ -221,13 +232,16 @@ function createSearch(index, language) {
   /** How well each item matches each term. */
   const valued = parts => new Map(items.map(item => [item, parts.map(part => value(item, part))]));
 
-  /** The terms of a query with the values of all items; terms that nothing contains are corrected. */
+  /** The terms of a query with the values of all items; terms that nothing contains are corrected or divided. */
   function matched(query) {
     const parts = terms(query);
     const values = valued(parts);
     const isUnknown = (part, i) => !stops.has(part.word) && items.every(item => !values.get(item)[i]);
     if (!parts.some(isUnknown)) { return { parts, values }; }
-    const mended = parts.map((part, i) => isUnknown(part, i) ? corrected(part) : part);
+    const mended = parts.flatMap((part, i) => {
+      const near = isUnknown(part, i) ? corrected(part) : part;
+      return near.same.length || near === part ? [near] : pieces(near);
+    });
     return { parts: mended, values: valued(mended) };
   }
 
