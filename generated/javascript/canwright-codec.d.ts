@@ -98,6 +98,8 @@ export interface Message<D extends Direction, C, Fields, Parameters> {
   readonly command: C;
   /** The node that receives or sends the frame; null if neither its id nor its data identifies it. */
   readonly node: number | null;
+  /** The code of the frame, if receivers accept several. */
+  readonly code?: number;
   readonly parameters: Parameters;
   readonly frame: WrittenFrame;
   readonly fields: readonly FieldResult[];
@@ -110,6 +112,8 @@ export interface Message<D extends Direction, C, Fields, Parameters> {
 /** The content of a message: either values in units or raw integers, of all its fields; neither without fields. */
 export type Content<Fields, Parameters, HasNode extends boolean> = {
   readonly parameters?: Parameters;
+  /** One of the codes that receivers accept, such as that of a decoded message; the usual one if it is left out. */
+  readonly code?: number | undefined;
 } & (HasNode extends true ? { readonly node: number } : { /** Ignored: the id contains no node. */ readonly node?: number }) & (
   | { readonly values: GivenValue<Fields>; readonly raw?: undefined }
   | { readonly raw: GivenRaw<Fields>; readonly values?: undefined }

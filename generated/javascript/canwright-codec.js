@@ -204,10 +204,11 @@ class Codec {
     return message;
   }
 
-  encode(direction, command, { node = null, values, raw, parameters } = NOTHING) {
+  encode(direction, command, { node = null, values, raw, code, parameters } = NOTHING) {
     const message = this.message(direction, command);
     const known = this.known(parameters);
     message.checkAvailable(known);
+    message.checkCode(code);
     message.rule.check(node, known, command);
     const { fields } = message.variant(known);
     const given = values ?? raw ?? NOTHING;
@@ -217,7 +218,7 @@ class Codec {
       throw new TypeError(`the ${direction} of ${command} needs values, or raw integers, of: ${names}`);
     }
     const raws = Object.fromEntries(fields.map((field) => [field.name, field.given(given[field.name], known, values !== undefined)]));
-    const frame = message.write(node, raws, known);
+    const frame = message.write(node, raws, code, known);
     message.checkMeaning(frame);
     return new MessageResult(this.tables, message, message.nodeOf(frame, known), frame, raws, known);
   }
@@ -692,6 +693,19 @@ class Message {
     }
   }
 
+  /** The code of a frame of this message, undefined if it has one at most. */
+  codeOf(frame) {
+    return this.keys[0]?.values.length > 1 ? this.keys[0].bits.read(frame) : undefined;
+  }
+
+  /** Throws CodecError if a code is given that this message cannot have. */
+  checkCode(code) {
+    const codes = this.keys[0]?.values ?? [];
+    if (code !== undefined && !codes.includes(code)) {
+      throw new CodecError("unknown_code", `the ${this.direction} of ${this.command} has ${codes.map(hex).join(" or ") || "no code"}, not ${code}`);
+    }
+  }
+
   /** Throws CodecError if receivers identify a frame of this message as another one. */
   checkMeaning(frame) {
     const confusion = this.confusions.find(({ conditions }) => conditions.every(({ bits, values }) => values.includes(bits.read(frame))));
@@ -717,13 +731,13 @@ class Message {
     return variant;
   }
 
-  /** The frame of checked raw integers; bits without a field are 0. */
-  write(node, raws, parameters) {
+  /** The frame of checked raw integers and of a code, if it is given; bits without a field are 0. */
+  write(node, raws, code, parameters) {
     const data = new Array(this.rule.remote ? 0 : this.length).fill(0);
     let id = this.rule.base + (this.rule.nodes ? node : 0) * this.rule.step + this.rule.offset(parameters);
-    for (const key of this.keys) {
-      id = key.bits.write(key.values[0], id, data);
-    }
+    this.keys.forEach((key, i) => {
+      id = key.bits.write((i === 0 ? code : undefined) ?? key.values[0], id, data);
+    });
     for (const field of this.layout.variant(parameters).every.filter(({ isChecksum }) => !isChecksum)) {
       const raw = field.fixed ?? (field.parameter === null ? raws[field.name] : field.required(parameters));
       field.elements.forEach((element, i) => {
@@ -809,6 +823,10 @@ class MessageResult {
     this.direction = message.direction;
     this.command = message.command;
     this.node = node;
+    const code = message.codeOf(frame);
+    if (code !== undefined) {
+      this.code = code;
+    }
     this.parameters = parameters;
     this.#frame = frame;
     this.raw = variant.isWide ? forJSON(raw) : Object.freeze(raw);

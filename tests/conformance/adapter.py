@@ -28,12 +28,13 @@ ExactValue = Fraction | str | list[Fraction | str]
 
 @dataclass(frozen=True)
 class Decoded:
-    """What a target read: the command whose message it is, the node and every field."""
+    """What a target read: the command whose message it is, the node, every field, and which of several codes it has."""
 
     command: str
     node: int | None
     raw: Mapping[str, Raw]
     values: Mapping[str, Value]
+    code: int | None = None
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,8 @@ class Adapter(ABC):
     name: ClassVar[str]
     cannot: ClassVar[Mapping[str, str]] = {}
     tolerance: ClassVar[float] = 0.0
+    reports_code: ClassVar[bool] = False
+    """Whether a decoded message says which of several codes the frame has."""
 
     def __init__(self, edition: Edition) -> None:
         self.edition = edition
@@ -92,8 +95,15 @@ class Adapter(ABC):
 
     @abstractmethod
     def encode_raw(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
-    ) -> Encoded | Refused: ...
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        raw: Mapping[str, Raw],
+        parameters: Parameters,
+        code: int | None = None,
+    ) -> Encoded | Refused:
+        """Encodes raw integers, with one of the accepted codes; None leaves it out."""
 
     @abstractmethod
     def encode_values(
@@ -103,6 +113,7 @@ class Adapter(ABC):
         node: int | None,
         values: Mapping[str, ExactValue],
         parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused: ...
 
     @abstractmethod
@@ -127,7 +138,13 @@ class DecodeOnlyAdapter(Adapter):
     """A target that encodes nothing; `encode` is one of the names in its `cannot`."""
 
     def encode_raw(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        raw: Mapping[str, Raw],
+        parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         raise Cannot("encode")
 
@@ -138,6 +155,7 @@ class DecodeOnlyAdapter(Adapter):
         node: int | None,
         values: Mapping[str, ExactValue],
         parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         raise Cannot("encode")
 

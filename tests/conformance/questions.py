@@ -20,6 +20,7 @@ from canwright.resolve.number_parameters import number
 from canwright.semantics.decoder import linear_of
 from canwright.semantics.encoder import Encoder, Encoders
 from canwright.semantics.frame import with_checksum
+from canwright.semantics.plan import message_plan
 
 from ..float_rule import float_of
 from ..semantics.random_frames import random_frame
@@ -77,6 +78,7 @@ class Questions:
     def _about(self, message: Message) -> Iterator[Question]:
         """Questions about one message; its kinds of questions take turns."""
         kinds = [self._frames(message), self._raws(message), self._given_values(message), self._mistakes(message)]
+        kinds.append(self._codes(message))
         if message.direction is Direction.REQUEST:
             kinds.append(self._replies(message))
         for group in itertools.zip_longest(*kinds):
@@ -276,6 +278,22 @@ class Questions:
                 node = None if nodes is None else nodes[-1] + 1
                 yield Question("not available", "encode_raw", (*_start(message), node, {}, parameters))
 
+    def _codes(self, message: Message) -> Iterator[Question]:
+        """Each accepted code, one that is none, and that one with another mistake."""
+        codes = message_plan(message).codes
+        if not codes:
+            return
+        known = self._known(message)
+        encoder = self._encoders.for_parameters(known)
+        fields = encoder.fields(message) or {}
+        wrong = next(code for code in itertools.count(1) if code not in codes)
+        for code in (*codes, wrong):
+            raws = {name: self._raw(encoder, field) for name, field in fields.items()}
+            yield Question("code", "encode_raw", (*_start(message), self._node(message), raws, known, code))
+        for node in self._nodes(message):
+            largest = {name: _largest(field) for name, field in fields.items()}
+            yield Question("code", "encode_raw", (*_start(message), node, largest, known, wrong))
+
     def _given_values(self, message: Message) -> Iterator[Question]:
         """Values at the limits of every field, ties, and what is no number."""
         known = self._known(message)
@@ -452,10 +470,10 @@ def _flipped(frame: CanFrame, space: Space, bit: int) -> CanFrame:
     return frame._replace(data=(word & (1 << 8 * len(frame.data)) - 1).to_bytes(len(frame.data), "little"))
 
 
-def disagreement(wanted: Answer, answer: Answer, tolerance: float = 0.0) -> str:
+def disagreement(wanted: Answer, answer: Answer, tolerance: float = 0.0, *, reports_code: bool = False) -> str:
     """The first part in which an answer differs from that of the reference; empty if they agree."""
     if isinstance(wanted, Decoded) and isinstance(answer, Decoded):
-        for part in ("command", "node", "raw"):
+        for part in ("command", "node", "raw", *(["code"] if reports_code else [])):
             if getattr(wanted, part) != getattr(answer, part):
                 return f"{part} {getattr(answer, part)}, not {getattr(wanted, part)}"
         return _differing(wanted.values, answer.values, tolerance)

@@ -19,6 +19,7 @@ from canwright.model.golden_frames import (
 )
 from canwright.model.message import Message
 from canwright.semantics.decoder import Decoder, Rejection
+from canwright.semantics.frame import code_of, has_usual_code
 
 from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused, assignment
 
@@ -104,6 +105,8 @@ class Runner:
         if self._adapter.message_of(frame.direction, answer.command) is not message:
             return f"decoded as {answer.command}, not as {message.name}"
         in_data = message.node_in_data
+        if self._adapter.reports_code and answer.code != code_of(message, _can(frame)):
+            return f"code {answer.code}"
         node = frame.node if in_data is None else frame.raw[in_data.name]
         if answer.node != node:
             return f"node {answer.node}, not {node}"
@@ -134,14 +137,24 @@ class Runner:
 
     def _encode_raw(self, frame: GoldenFrame) -> str:
         return self._encoded(
-            frame, self._adapter.encode_raw(frame.direction, frame.command, frame.node, frame.raw, frame.parameters)
+            frame,
+            self._adapter.encode_raw(
+                frame.direction, frame.command, frame.node, frame.raw, frame.parameters, self._code(frame)
+            ),
         )
 
     def _encode_values(self, frame: GoldenFrame) -> str:
         return self._encoded(
             frame,
-            self._adapter.encode_values(frame.direction, frame.command, frame.node, frame.values, frame.parameters),
+            self._adapter.encode_values(
+                frame.direction, frame.command, frame.node, frame.values, frame.parameters, self._code(frame)
+            ),
         )
+
+    def _code(self, frame: GoldenFrame) -> int | None:
+        """The code to encode; None where it need not be given."""
+        message = self._adapter.message_of(frame.direction, frame.command)
+        return None if has_usual_code(message, _can(frame)) else code_of(message, _can(frame))
 
     def _encoded(self, frame: GoldenFrame, answer: Encoded | Refused) -> str:
         if answer == Encoded(frame.id, frame.data, frame.extended, frame.remote):

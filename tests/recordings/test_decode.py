@@ -8,6 +8,7 @@ import io
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -209,6 +210,128 @@ def test_implausible_values_are_counted() -> None:
     log = MIXED + "(1.1) can0 142#9A00000000000000\n(1.1002) can0 142#9A32003200000000\n"
     text = decode(log, *SETTINGS, status=1).stdout
     assert "  1 implausible: `voltage` is outside 6..100 V, as 5.0 V in 142#9A32003200000000" in text
+
+
+def test_differences_of_times_and_times_that_cannot_be_read_are_stated() -> None:
+    stamps = ["000.000000", "000.000200", "000.009800", "000.000200"]
+    frames = ["142   [8]  9A 00 00 00 00 00 00 00", "142   [8]  9A 32 00 E7 01 00 00 00"] * 2
+    lines = [f" ({stamp})  can0  {frame}\n" for stamp, frame in zip(stamps, frames, strict=True)]
+    text = decode("".join(lines), *SETTINGS).stdout
+    assert "2 requests, 2 replies after 0.200 ms on average" in text and "#3  0.010200" in text
+    assert "the times are differences, as of `candump -td`, and were added up" in text
+    text = decode("".join(lines[1:3]), *SETTINGS, "--time-differences").stdout
+    assert "#1  0.010000" in text
+    text = decode(lines[0] + lines[1].replace("000.000200", "1.2.3"), *SETTINGS, status=1).stdout
+    assert "1 frame without a time, since it cannot be read (line 2: `(1.2.3) can0 142" in text
+
+
+EARLY = """\
+Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8
+-1769000000020000,00000142,false,Tx,0,8,9A,00,00,00,00,00,00,00,
+-1769000000019800,00000142,false,Rx,0,8,9A,32,00,E7,01,00,00,00,
+-500000,00000142,false,Tx,0,8,9A,00,00,00,00,00,00,00,
+-499750,00000142,false,Rx,0,8,9A,32,00,E7,01,00,00,00,
+"""
+
+
+@pytest.mark.parametrize("suffix", [".log", ".asc", ".blf"])
+def test_a_split_log_of_times_before_the_epoch_is_read_again(suffix: str) -> None:
+    """ASC and BLF count from the first frame."""
+    decode(EARLY, *SETTINGS, "--split", f"split{suffix}")
+    printed = json_rows(run(f"split{suffix}", *SETTINGS, "--format", "jsonl").stdout)
+    assert [(row["direction"], row["command"]) for row in printed] == [
+        ("request", "read_status_1"),
+        ("reply", "read_status_1"),
+    ] * 2
+    times = [Fraction(str(row["time"])) for row in printed]
+    start = Fraction(-1769000000020000) if suffix == ".log" else times[0] * 1_000_000
+    since = [Fraction(line.split(",")[0]) + 1769000000020000 for line in EARLY.splitlines()[1:]]
+    assert [round(time * 1_000_000 - start) for time in times] == since
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "can0  141   [8]  9A 00 00 00 00 00 00 00",
+        " (1.5)  can0  RX - -  141   [8]  9A 00 00 00 00 00 00 00   '........'",
+        "141 9A 00 00 00 00 00 00 00",
+        "0x141#9A00000000000000",
+        "141: 0x9A, 0x00, 0, 0".replace(" 0, 0", " " + ", ".join(["00"] * 6)),
+        "<0x141> [8] 9a 00 00 00 00 00 00 00",
+        "1.5 1  141  Rx   d 8 9A 00 00 00 00 00 00 00",
+        "  7)      1059.9  Rx     0141  8  9A 00 00 00 00 00 00 00",
+        f"Timestamp: 1700000000.000000 {' ' * 300} ID: 0141    S Rx    DL:  8    9a 00 00 00 00 00 00 00     Channel: can0",
+        "t14189A00000000000000",
+    ],
+)
+def test_a_line_that_is_pasted_is_explained(text: str) -> None:
+    output = run(text, "--spec", str(V2_35)).stdout
+    assert output.startswith("141#9A00000000000000\n") and "request of read_status_1 to node 1" in output
+
+
+@pytest.mark.parametrize("text", ["bus2.log", "141 9G", "141", "9" * 300])
+def test_a_text_without_a_frame_is_the_name_of_a_file(text: str) -> None:
+    assert "does not exist" in run(text, status=2).output
+
+
+def test_requests_without_all_bytes_are_named() -> None:
+    text = decode("".join(f"({n}.0) can0 141#9A\n" for n in range(4)), status=1).stdout
+    assert "4 frames with foreign ids: 0x141 (4)\n  0x141 has 1 data byte, not 8, as in 141#9A" in text
+    assert "not 8" not in decode("(1.0) can0 7FF#9A\n", *SETTINGS).stdout
+
+
+def test_a_log_of_error_frames_alone_names_their_causes() -> None:
+    text = decode("(1.0) can0 20000004#0001000000000000\n" * 2, status=2).output
+    assert "bus.log has 2 error frames and no frames; check that the bit rate is that of the nodes" in text
+
+
+def test_replies_to_a_broadcast_are_counted_with_it() -> None:
+    exchange = (
+        "(1.0) can0 280#64009CFFC8000000\n(1.0003) can0 142#A12A9CFFF0FF0050\n(1.0006) can0 143#A12AC80020000060\n"
+    )
+    text = decode(exchange, "--set", "edition=v2.35").stdout
+    assert "can0, no node, v2.35: 1 request, 2 replies of the nodes that it addresses\n" in text
+    assert "can0, node 2, v2.35: 0 requests, 1 reply after 0.300 ms" in text
+
+
+# 5000 of at most 2048; 32768 of the 16384 numbers of an encoder of 14 bits
+OUTSIDE = """\
+(1.000000) can0 141#A10000009B000000
+(1.000200) can0 141#A1328813F4010080
+(1.010000) can0 141#A10000009B000000
+(1.010200) can0 141#A1329B00F4010080
+"""
+
+
+def test_values_outside_their_range_are_counted() -> None:
+    settings = ("--set", "edition=v2.35", "--set", "series=MG")
+    text = decode(OUTSIDE, *settings, "--set", "encoder_bits=14", status=1).stdout
+    assert "1 implausible: `iq` is outside raw -2048..2048, as 80.56640625 A in 141#A1328813F4010080" in text
+    assert "2 implausible: `encoder` is outside raw 0..16383, as 720.0 ° in 141#A1328813F4010080" in text
+    text = decode(OUTSIDE, *settings, "--set", "encoder_bits=18", status=1).stdout
+    assert "`iq` is outside" in text and "`encoder`" not in text
+
+
+GAUGE = """\
+canwright: 1
+family: tank
+edition: v1
+addresses: {tank: {id: 0x100 + node, nodes: 1..2}}
+types:
+  level: {raw: u8, unit: "%", scale: 0.4, raw_range: 0..250, no_value: {error: 254}}
+  heat: {raw: f32, unit: K, range: 0..500}
+commands:
+  state: {request: none, reply: {level: {at: 0, type: level}, heat: {at: 1, type: heat}}}
+"""
+
+
+def test_names_for_no_value_are_within_the_range_and_floats_have_one() -> None:
+    Path("tank.yaml").write_text(GAUGE, "utf-8")
+    spec = ("--spec", "tank.yaml")
+    decode("(1.0) can0 101#FE00004040000000\n(1.1) can0 101#FA00004040000000\n", *spec)
+    text = decode("(1.0) can0 101#FB00401C46000000\n(1.1) can0 101#FF0000C07F000000\n", *spec, status=1).stdout
+    assert "2 implausible: `level` is outside raw 0..250, as 100.4 % in 101#FB00401C46000000" in text
+    assert "2 implausible: `heat` is outside 0..500 K, as 10000.0 K in 101#FB00401C46000000" in text
 
 
 def test_a_node_that_does_not_reply_has_the_edition_of_others_of_its_bus() -> None:
@@ -730,6 +853,53 @@ def test_a_row_of_a_stream_is_printed_before_the_next_frame_arrives(form: str) -
         too_late.cancel()
 
 
+def test_a_frame_that_waits_for_later_ones_is_printed_after_a_pause() -> None:
+    """The second frame can be the echo of the first, or repeat it: the next one shows which, or that none comes."""
+    arguments = [sys.executable, "-m", "canwright", "decode", "-", "--spec", str(V2_35), "--window", "50"]
+    pipe = subprocess.PIPE
+    with subprocess.Popen([*arguments, "--format", "jsonl"], stdin=pipe, stdout=pipe, text=True) as decoding:
+        assert decoding.stdin is not None and decoding.stdout is not None
+        too_late = threading.Timer(60, decoding.kill)
+        too_late.start()
+        decoding.stdin.write("(1.00) can0 141#8000000000000000\n(1.03) can0 141#8000000000000000\n")
+        decoding.stdin.flush()
+        rows = [json.loads(decoding.stdout.readline()) for _ in range(2)]
+        assert [row["direction"] for row in rows] == ["request", "reply"]
+        decoding.stdin.close()
+        too_late.cancel()
+
+
+@pytest.mark.parametrize("followed", [False, True])
+def test_an_interrupt_ends_a_log_with_its_summary(followed: bool, tmp_path: Path) -> None:
+    file = tmp_path / "growing.log"
+    file.touch()
+    source = ["--follow", str(file)] if followed else ["-"]
+    arguments = [sys.executable, "-m", "canwright", "decode", *source, "--spec", str(V2_35), "--format", "jsonl"]
+    pipe = subprocess.PIPE
+    with (
+        subprocess.Popen(arguments, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as decoding,
+        file.open("a") as growing,
+    ):
+        assert decoding.stdin is not None and decoding.stdout is not None and decoding.stderr is not None
+        too_late = threading.Timer(60, decoding.kill)
+        too_late.start()
+        written = growing if followed else decoding.stdin
+        for data in ("A10000009B000000", "A1329B00F4010080"):
+            written.write(f"(1.0) can0 141#{data}\n")
+            written.flush()
+            assert "set_torque" in decoding.stdout.readline()
+        decoding.send_signal(signal.SIGINT)
+        assert "can0, node 1, v2.35: 1 request, 1 reply" in decoding.stderr.read()
+        assert decoding.wait() == 130
+        too_late.cancel()
+
+
+def test_what_is_followed_is_a_file() -> None:
+    for source in ("-", "141#A1"):
+        result = CliRunner().invoke(main, ["decode", source, "--follow"], input=b"")
+        assert result.exit_code == 2 and "--follow" in result.output
+
+
 def test_rows_of_a_slow_stream_do_not_wait_for_the_editions() -> None:
     """A node that is there from the start, and one that appears later; several editions fit both."""
     specs = ["--spec", str(V2_35), "--spec", str(V2_35.with_name("v2.35-2024-02.yaml"))]
@@ -753,7 +923,7 @@ def _send_slowly(stream: IO[str], id_: str, is_read: threading.Event) -> None:
     for _ in range(400):
         stream.write(f"{id_}#A10000009B000000\n{id_}#A1329B00F4010080\n")
         stream.flush()
-        if is_read.wait(0.05):
+        if is_read.wait(0.1):
             return
     stream.close()
 

@@ -6,7 +6,7 @@ import gzip
 import io
 import lzma
 import tracemalloc
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import can
@@ -14,6 +14,7 @@ import pytest
 from canwright.recordings import candump
 from canwright.recordings.log_frame import Counts, LogFrame, Mark, SkippedPart
 from canwright.recordings.readers import Log, LogError, open_log
+from canwright.recordings.time_differences import since_start
 from canwright.semantics.frame import CanFrame
 
 START = 1_700_000_000
@@ -184,6 +185,80 @@ def test_a_time_of_more_than_64_bits_is_unknown() -> None:
     frames, read = of("".join(lines))
     assert [r.time for r in frames] == [9_223_372_035_999_999_000, None, None]
     assert not read.counts.skipped
+
+
+@pytest.mark.parametrize(
+    ("stamp", "nanoseconds"),
+    [
+        ("2024-02-09 10:13:20.000200500", 1_707_473_600_000_200_500),
+        ("2024-02-09 10:13:20.5", 1_707_473_600_500_000_000),
+        ("1.000000001", 1_000_000_001),
+        ("1969-12-31 23:59:59.5", None),
+        ("9999-02-09 10:13:20.000200", None),
+        ("09.02.2024 10:13:20.000000", None),
+    ],
+)
+def test_a_time_is_read_or_counted(stamp: str, nanoseconds: int | None) -> None:
+    frames, read = of(f"({stamp})  can0  141   [8]  9A 00 00 00 00 00 00 00   '.(......'\n")
+    assert [r.time for r in frames] == [nanoseconds]
+    assert read.counts.untimed == (nanoseconds is None)
+    assert read.counts.first_untimed[0] == (nanoseconds is None)
+
+
+def test_a_frame_that_states_no_time_lacks_none() -> None:
+    _, read = of("  can0  141   [8]  28 00 00 00 00 00 00 00   '(.......'\n141#A1\n")
+    assert read.counts.untimed == 0
+    _, read = of("t14112A\n")
+    assert read.counts.untimed == 0
+    _, read = of("timestamp,arbitration_id\n1e18,0x141,0,0,0,1,mg==\n")
+    assert read.counts.untimed == 1
+
+
+DIFFERENCES = ["000.000000", "000.000200", "000.009800", "000.000200", "1.5"]
+
+
+def _with_times(stamps: list[str]) -> str:
+    return "".join(f" ({stamp})  can0  141   [2]  9A 00\n" for stamp in stamps)
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_times_that_are_differences_are_added_up(packed: bool) -> None:
+    text = _with_times(DIFFERENCES).encode()
+    read = log(gzip.compress(text) if packed else text)
+    assert [r.time for r in read] == [0, 200_000, 10_000_000, 10_200_000, 1_510_200_000]
+    assert read.counts.has_differences
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [
+        ["1.5", "0.5", "0.4"],
+        ["0.0", "0.1", "0.1", "0.2"],
+        ["0.0", "0.1", "0.2", "0.0", "0.1", "0.2"],
+        ["0.0", *(f"{n}.0" for n in range(1, 9)), "0.5"],
+    ],
+    ids=["another start", "never earlier", "two recordings", "too late in a stream"],
+)
+def test_a_clock_that_jumps_back_has_no_differences(stamps: list[str]) -> None:
+    frames, read = of(_with_times(stamps))
+    assert [r.time for r in frames] == [int(float(stamp) * 1e9) for stamp in stamps]
+    assert not read.counts.has_differences
+
+
+def test_times_that_are_known_to_be_differences_are_added_up() -> None:
+    read = Log(io.BytesIO(_with_times(["0.5", "0.25"]).encode()), "the log", has_differences=True)
+    assert [r.time for r in read] == [500_000_000, 750_000_000]
+
+
+def test_a_log_that_is_cut_off_before_its_times_are_known_keeps_its_frames() -> None:
+    def cut_off() -> Iterator[LogFrame]:
+        yield from candump.read([_with_times(["0.0"])], Counts())
+        raise EOFError
+
+    frames = since_start(cut_off(), Counts(), 1000, are_differences=False)
+    assert next(frames).time == 0
+    with pytest.raises(EOFError):
+        next(frames)
 
 
 @pytest.mark.parametrize("cut", [20, 21, 22, 23])

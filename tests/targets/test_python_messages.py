@@ -113,9 +113,9 @@ def test_a_decoded_frame_is_encoded_or_refused_as_its_raw_integers_are(
     outcomes = set()
     for reference, decoded, encoder in _decoded(ours):
         assert (type(decoded), decoded.raw()) == (ours.cls(reference.message), _attributes(reference.raws))
-        expected = _expected(encoder.encode_raws(reference.message, reference.node, reference.raws))
+        expected = _expected(encoder.encode_raws(reference.message, reference.node, reference.raws, reference.code))
         node = {} if reference.node is None else {"node": reference.node}
-        given = {"parameters": decoded.parameters, **node, **decoded.raw()}
+        given = {"parameters": decoded.parameters, "frame_code": reference.code, **node, **decoded.raw()}
         assert _outcome(ours.module, copy.copy, decoded) == expected
         assert _outcome(ours.module, type(decoded).from_raw, **given) == expected
         assert _outcome(ours.module, decoded.replace) == expected

@@ -69,7 +69,7 @@ class Comparison:
         except Cannot as exception:
             self.exceptions[exception.name] += 1
             return
-        wrong = disagreement(wanted, answer, adapter.tolerance)
+        wrong = disagreement(wanted, answer, adapter.tolerance, reports_code=adapter.reports_code)
         self.asked[question.kind] += 1
         if wrong:
             self.disagreements.append(f"{question.task}{question.arguments}: {wrong}")

@@ -22,7 +22,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from ._candump import MAX_SECONDS, SHORT, RecordedFrame, SkippedPart, read_line
+from ._candump import MAX_ID, MAX_SECONDS, SHORT, RecordedFrame, SkippedPart, read_line
 from ._columns import Array, Direction, Frames, Kind
 
 BLOCK = 1 << 21
@@ -180,7 +180,7 @@ class _Text:
         padded[:, 1:] = columns[2]
         ids = _HEX.take(padded.view("<u2"))
         data = _HEX.take(np.ascontiguousarray(columns[3]).view("<u2"))
-        valid &= _valid(ids) & _valid(data)
+        valid &= _valid(ids) & (ids[:, 0] <= MAX_ID[False] >> 8) & _valid(data)
         words = self._room(data.shape[1])
         octets = np.zeros((rows.size, 8 * words), np.uint8)
         octets[:, : data.shape[1]] = data

@@ -942,6 +942,8 @@ class Message:
     """The bits of the node that `NODE_FIELD` has."""
     CODE: ClassVar[int]
     """The selector's value."""
+    CODES: ClassVar[tuple[int, ...]] = ()
+    """The selector's values, if receivers accept several; `CODE` is the first."""
     SENT: ClassVar[tuple[str, ...]] = ()
     """When it is sent, if the manual states more than that a reply answers its request: `cyclic`, `on_change`,
     `on_request`, `event`."""
@@ -996,6 +998,8 @@ class Message:
 
     _nodes: ClassVar[range] = range(0)
     """The nodes. Constructors look there first: calling `_known_node` takes longer."""
+    _code: int | None = None
+    """The code, if there are several."""
     _checked: bool
     """Whether the raw integers and the node are known to be valid."""
     _node: Any
@@ -1019,6 +1023,20 @@ class Message:
     def parameters(self) -> Any:
         """The `Parameters` of the node."""
         return self._parameters
+
+    @property
+    def frame_code(self) -> int | None:
+        """The code of this frame, one of `CODES` if there are several; None where a message has no code."""
+        return self._code if self.CODES else getattr(self, "CODE", None)
+
+    @classmethod
+    def _known_code(cls, code: int) -> int:
+        """The code itself. Raises CodecError (unknown_code) if it is none of this message, TypeError for no integer."""
+        if integer(code, "frame_code") not in (cls.CODES or (getattr(cls, "CODE", None),)):
+            codes = " or ".join(f"0x{known:02X}" for known in cls.CODES)
+            text = f"{cls.__name__} has {f'the code {codes}' if codes else 'no choice of codes'}, not 0x{code:02X}"
+            raise CodecError(Refusal.UNKNOWN_CODE, text)
+        return index(code)
 
     @property
     def can_id(self) -> int:
@@ -1051,7 +1069,7 @@ class Message:
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field of a decoded frame as it was received.
 
-        A message does not store selectors and reserved bits: they are those of the specification.
+        A message does not store reserved bits, nor a selector that has one value: they are those of the specification.
         """
         raise TypeError(f"{type(self).__name__} is only a base class")
 
@@ -1079,14 +1097,19 @@ class Message:
         raise TypeError(f"{cls.__name__} is only a base class")
 
     @classmethod
-    def from_raw(cls, *, node: int | None = None, parameters: Any = None, **raw: Any) -> Self:
-        """The message with these raw integers, by field.
+    def from_raw(
+        cls, *, node: int | None = None, parameters: Any = None, frame_code: int | None = None, **raw: Any
+    ) -> Self:
+        """The message with these raw integers, by field, and with one of `CODES`; without it, with `CODE`.
 
         Raises CodecError as `check` does, FieldAbsent (a field does not exist under the parameters),
         TypeError (other names, or a field is missing).
         """
         self = new(cls)
         cls._check_available(parameters)
+        code = None if frame_code is None else cls._known_code(frame_code)
+        if cls.CODES:
+            object.__setattr__(self, "_code", cls.CODE if code is None else code)  # a slot of classes with codes only
         self._node = self._known_node(node)
         self._parameters = cls.DEFAULTS if parameters is None else parameters
         if cls.ID_PARAMETER:
@@ -1105,20 +1128,21 @@ class Message:
         return self
 
     def replace(self, **values: Any) -> Self:
-        """A copy with other values of some fields; `node` and `parameters` can be replaced too.
+        """A copy with other values of some fields; `node`, `parameters` and `frame_code` can be replaced too.
 
         The other fields keep their raw integers. Raises CodecError as `check` does, FieldAbsent where a field does not
         exist under the parameters, and TypeError for other names.
         """
         parameters = values.pop("parameters", self._parameters)
         self._check_available(parameters)
+        code = values.pop("frame_code", self._code)
         node = self._known_node(values.pop("node", self._node))
         raws = self.raw()
         for name, value in values.items():
             if name not in self.TYPES:
                 raise TypeError(f"{type(self).__name__} has no {name}; it has {', '.join(self.TYPES) or 'no field'}")
             raws[name] = self.TYPES[name].raw(value, parameters, name)
-        return self.from_raw(node=node, parameters=parameters, **raws)
+        return self.from_raw(node=node, parameters=parameters, frame_code=code, **raws)
 
     def fields(self) -> tuple[str, ...]:
         """Names of the fields that exist under the parameters."""
@@ -1199,6 +1223,8 @@ class Message:
 
     def __repr__(self) -> str:
         parts = [f"node={self._node}"] if self._node is not None else []
+        if self.CODES and self._code != self.CODE:
+            parts.append(f"frame_code=0x{self._code:02X}")
         no_values = self.no_values()
         for name, raw in self.raw().items():
             try:
@@ -1216,14 +1242,14 @@ class Message:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Message) or type(self) is not type(other):
             return NotImplemented
-        if self._raws != other._raws or self._node != other._node:
+        if self._raws != other._raws or self._node != other._node or self._code != other._code:
             return False
         ours, theirs = self._parameters, other._parameters
         return ours is theirs or all(getattr(ours, name) == getattr(theirs, name) for name in self.DEPENDS)
 
     def __hash__(self) -> int:
         # equal messages have equal hashes, whatever their parameters are
-        return hash((type(self), self._node, self._raws))
+        return hash((type(self), self._node, self._code, self._raws))
 
 
 id_node: Callable[[Message], int | None] = attrgetter("_node")

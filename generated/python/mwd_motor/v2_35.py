@@ -2464,13 +2464,90 @@ class ClearErrorsReply(Status1, Reply):
     Manual 2.25, 清除电机错误标志命令.
     """
 
-    __slots__ = ()
+    __slots__ = ("_code",)
 
     COMMAND = "clear_errors"
     DIRECTION = "reply"
     ID = 0x140
     CODE = 0x9A
+    CODES = (0x9A, 0x9B)
     NODES = (1, 32)
+
+    __match_args__ = ("temperature", "voltage", "errors")
+    TYPES = {"temperature": TEMPERATURE, "voltage": VOLTAGE, "errors": _ErrorFlags}
+    DEFAULTS = UNKNOWN
+
+    _raws: tuple[int, int, int]
+
+    def __init__(
+        self,
+        *,
+        node: int,
+        temperature: Real,
+        voltage: Real,
+        errors: ErrorFlags | int,
+        frame_code: int = 0x9A,
+    ) -> None:
+        self._code = self._known_code(frame_code)
+        self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
+        self._parameters = UNKNOWN
+        self._raws = (
+            TEMPERATURE.raw(temperature, self._parameters, "temperature"),
+            VOLTAGE.raw(voltage, self._parameters, "voltage"),
+            _ErrorFlags.raw(errors, self._parameters, "errors"),
+        )
+        self._checked = True
+
+    @classmethod
+    def unpack(cls, node: int | None, can_id: int, data: bytes, parameters: Parameters) -> Self:
+        """The message in these data bytes. Id, length and selector have been checked already."""
+        self = new(cls)
+        self._node = node
+        self._code = data[0]
+        self._parameters = parameters
+        self._checked = False
+        self._raws = _UNPACK_5(data)
+        return self
+
+    @property
+    def temperature(self) -> int:
+        """Motor temperature.
+
+        In °C.
+        """
+        return self._raws[0]
+
+    @property
+    def temperature_raw(self) -> int:
+        return self._raws[0]
+
+    @property
+    def voltage(self) -> float:
+        """Voltage.
+
+        In V; resolution (1 LSB) 0.1 V.
+        """
+        return self._raws[1] / 10
+
+    @property
+    def voltage_raw(self) -> int:
+        return self._raws[1]
+
+    @property
+    def errors(self) -> ErrorFlags:
+        """Errors.
+
+        In the manual: errorState.
+        """
+        return _ErrorFlags.value(self._raws[2], self._parameters, "errors")
+
+    @property
+    def errors_raw(self) -> int:
+        return self._raws[2]
+
+    def encode_unchecked(self) -> bytes:
+        """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
+        return _PACK_5(self._code, self._raws[0], self._raws[1], self._raws[2])
 
 
 class ReadStatus2Reply(MotionFeedback, Reply):

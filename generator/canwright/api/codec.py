@@ -49,11 +49,20 @@ class Encoder:
         self._encoder = encoder.Encoder(assignment([edition], parameters or {}))
 
     def encode_values(
-        self, message: Message, node: int | None, values: Mapping[str, Value | Number | list[Number]]
+        self,
+        message: Message,
+        node: int | None,
+        values: Mapping[str, Value | Number | list[Number]],
+        code: int | None = None,
     ) -> CanFrame | Rejection:
-        """The frame of a message with these values by field. Raises ValueError for other fields."""
-        return self._encoder.encode_values(message, node, values)
+        """The frame of a message with these values by field, and with a code as in `encode_raws`."""
+        return self._encoder.encode_values(message, node, values, code)
 
-    def encode_raws(self, message: Message, node: int | None, raws: Mapping[str, Raw]) -> CanFrame | Rejection:
-        """The frame of a message with these raw integers by field. Raises ValueError for other fields."""
-        return self._encoder.encode_raws(message, node, raws)
+    def encode_raws(
+        self, message: Message, node: int | None, raws: Mapping[str, Raw], code: int | None = None
+    ) -> CanFrame | Rejection:
+        """The frame of a message with these raw integers by field. Raises ValueError for other fields.
+
+        `code` is that of a decoded frame, one of those that the message accepts; None is the one that is usually sent.
+        """
+        return self._encoder.encode_raws(message, node, raws, code)

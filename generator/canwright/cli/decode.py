@@ -5,9 +5,10 @@ from __future__ import annotations
 import contextlib
 import itertools
 import os
+import signal
 import stat
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,14 +28,16 @@ from ..recordings.new_files import is_overwritten, new_file, new_folder, same_pa
 from ..recordings.nodes import Identifiers, Nodes, NodeSetting, common_edition, follow, nodes_of
 from ..recordings.packages import MissingPackageError
 from ..recordings.parquet import ParquetTables
+from ..recordings.pasted import pasted_frame
 from ..recordings.readers import STANDARD_INPUT, Log, LogError, open_log
 from ..recordings.rows import Row, RowReader
 from ..recordings.summary import Summary
 from ..semantics.frame import CanFrame
+from . import INTERRUPTED
 from .common import FINDINGS, FilePath, read, spec_option, stop
 from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
-from .node_settings import bus_of, direction_of, recorder_option
+from .node_settings import bus_of, differences_option, direction_of, recorder_option
 from .terminal import print_data, print_text, progress
 
 BLOCK = 500
@@ -42,7 +45,7 @@ BLOCK = 500
 
 
 class LogOrFrame(click.Path):
-    """The name of a log, or a frame in the notation of candump."""
+    """The name of a log, or a frame as candump or another program prints it."""
 
     name = "log or frame"
 
@@ -50,14 +53,23 @@ class LogOrFrame(click.Path):
         super().__init__(exists=True, dir_okay=False, allow_dash=True)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        if isinstance(value, str) and "#" in value and not Path(value).exists():
-            counts = Counts()
-            frames = [recorded.frame for recorded in candump.read([f"{value}\n"], counts)]
-            if not frames:
+        if isinstance(value, str) and not _exists(value):
+            frame = pasted_frame(value)
+            if frame is not None:
+                return frame
+            if "#" in value:
+                counts = Counts()
+                list(candump.read([f"{value}\n"], counts))
                 part = next(iter(counts.skipped)).value
                 self.fail(f"`{visible(value)}` is neither a file nor a frame such as 141#A100FF ({part})", param, ctx)
-            return frames[0]
         return super().convert(value, param, ctx)
+
+
+def _exists(name: str) -> bool:
+    try:
+        return Path(name).exists()
+    except (OSError, ValueError):  # as of a name that is too long
+        return False
 
 
 class OutputPath(FilePath):
@@ -129,6 +141,10 @@ class Outputs(NamedTuple):
     metavar="MS",
     help="The time within which a request is answered.  [default: 2, or longer by the spec and the log]",
 )
+@click.option(
+    "--follow", "followed", is_flag=True, help="Wait for more lines at the end of the file, until Ctrl-C ends the log."
+)
+@differences_option
 @recorder_option
 def decode(
     log: str | CanFrame,
@@ -141,11 +157,13 @@ def decode(
     fields: Sequence[str],
     golden: bool,
     window: float | None,
+    followed: bool,
+    has_differences: bool,
     recorder: str,
 ) -> None:
     """Decode a log, or explain one frame.
 
-    LOG is a log of candump or of any format that python-can reads, `-` for the standard input, or a frame such as
+    LOG is a log of candump, ASC, BLF, TRC, MF4, CSV, pcap or another form, `-` for the standard input, or a frame such as
     141#A100FF. Each row has the direction of the frame and the rule that decided on it, the values of its fields, and
     the request that it answers. The edition of a node is given by --set, or identified: from the whole log if it is a
     file, and while it is read if it is a stream. If several editions fit, a row lists all, and is decoded with the first.
@@ -155,21 +173,26 @@ def decode(
     everything that was skipped. With --split or --plot, rows are printed only if --format is given.
 
     Exit status: 0 if every line and every frame of the nodes is decoded, no frame has another meaning in another edition
-    that fits, no edition changes, every value is plausible, and the directions are certain; 1 if not; 2 if it could not run.
+    that fits, no edition changes, every value is plausible, and the directions are certain; 1 if not; 2 if it could not run;
+    130 if Ctrl-C ended the log, after its rows and summary.
     """
     editions, set_ = bus_of([item.edition for item in read(specs, packaged=True)], settings)
     if isinstance(log, CanFrame):
         if form or out or split or plot:
             raise click.UsageError("--format, --out, --split and --plot are for logs, not for a single frame")
+        if followed:
+            raise click.UsageError("--follow is for a file, not for a single frame")
         _explain(log, editions, set_, golden=golden)
         return
     if golden:
         raise click.UsageError("--golden is for a single frame, such as 141#A100FF")
+    if followed and log == STANDARD_INPUT:
+        raise click.UsageError("--follow needs a file; the standard input is followed without it")
     outputs = Outputs(form or ("none" if split or plot else "text"), out, split, plot, fields)
     _check(outputs)
     _check_paths(log, outputs)
     try:
-        with open_log(log) as recording:
+        with open_log(log, is_followed=followed, has_differences=has_differences) as recording:
             _decode(recording, editions, set_, outputs, window, direction_of(recorder))
     except (LogError, MissingPackageError, OSError) as error:
         if isinstance(error, BrokenPipeError):  # of the standard output
@@ -225,14 +248,50 @@ def _decode(
     window: float | None,
     recorder: Direction,
 ) -> None:
-    frames: Iterable[LogFrame] = log
     common = common_edition(editions, settings)
     if common is not None:
-        nodes = Nodes([common], settings, common)
+        nodes: Nodes | None = Nodes([common], settings, common)
     elif log.is_file:
-        nodes = nodes_of(_identified(log.name, editions, recorder), settings)
+        nodes = nodes_of(_identified(log, editions, recorder), settings)
     else:
-        nodes, frames = follow(log, editions, settings, recorder)
+        nodes = None
+    with _ended_by_interrupt(log):
+        frames: Iterable[LogFrame] = log
+        if nodes is None:
+            nodes, frames = follow(log, editions, settings, recorder)
+        is_clean = _print(log, frames, nodes, editions, outputs, window, recorder)
+    if log.is_ended:
+        sys.exit(INTERRUPTED)
+    if not is_clean:
+        sys.exit(FINDINGS)
+
+
+@contextlib.contextmanager
+def _ended_by_interrupt(log: Log) -> Iterator[None]:
+    """An interrupt ends the log, so that its summary is printed; the second one ends the run."""
+    before = signal.getsignal(signal.SIGINT)
+
+    def end(*_: object) -> None:
+        log.is_ended = True
+        signal.signal(signal.SIGINT, before)
+
+    signal.signal(signal.SIGINT, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _print(
+    log: Log,
+    frames: Iterable[LogFrame],
+    nodes: Nodes,
+    editions: Sequence[Edition],
+    outputs: Outputs,
+    window: float | None,
+    recorder: Direction,
+) -> bool:
+    """Prints rows, summary and remarks of a log. Returns whether there is nothing to complain about."""
     _check_fields(outputs.fields, nodes.family)
     directions = Directions(
         nodes.editions,
@@ -243,9 +302,9 @@ def _decode(
         further=nodes.family,
         changes=nodes.changes,
     )
-    rows = RowReader(nodes.assignment, nodes.label).rows(directions.classify(frames))
-    summary = Summary()
-    remarks = _write(log, rows, outputs, summary)
+    reader, summary = RowReader(nodes.assignment, nodes.label), Summary()
+    rows = reader.rows(directions.classify(frames))
+    remarks = _write(log, rows, lambda pause: reader.rows(directions.paused(int(pause * 1e9))), outputs, summary)
     summary.finish()
     print_text(summary_text(summary, nodes, log.counts), error=outputs.prints_rows and outputs.form != "text")
     behaviours = directions.behaviours or {}
@@ -254,15 +313,15 @@ def _decode(
     unset = [f"ids or constants contain `{name}`, which is unknown: --set {name}=NUMBER" for name in unknown]
     for remark in [*remarks, *unset, *copies(summary, behaviours), *doubtful]:
         print_text(f"{remark}\n", error=outputs.prints_rows and outputs.form != "text")
-    if doubtful or not _is_clean(summary, nodes, log.counts):
-        sys.exit(FINDINGS)
+    return not doubtful and _is_clean(summary, nodes, log.counts)
 
 
-def _identified(name: str, editions: Sequence[Edition], recorder: Direction) -> Identifier:
+def _identified(log: Log, editions: Sequence[Edition], recorder: Direction) -> Identifier:
     """All frames of a log in a file, with the editions that they fit."""
     identifiers = Identifiers(editions, recorder)
-    with open_log(name) as log, progress("frames", shown=True) as advance:
-        for number, frame in enumerate(log):
+    again = open_log(log.name, has_differences=log.has_differences)
+    with again as frames, progress("frames", shown=True) as advance:
+        for number, frame in enumerate(frames):
             identifiers.add(frame)
             if number % BLOCK == BLOCK - 1:
                 advance(BLOCK)
@@ -271,7 +330,7 @@ def _identified(name: str, editions: Sequence[Edition], recorder: Direction) -> 
 
 def _is_clean(summary: Summary, nodes: Nodes, counts: Counts) -> bool:
     """Whether everything was read, no frame has several meanings, and every value is plausible."""
-    unread = counts.skipped[SkippedPart.MALFORMED] + counts.skipped[SkippedPart.TRUNCATED]
+    unread = counts.skipped[SkippedPart.MALFORMED] + counts.skipped[SkippedPart.TRUNCATED] + counts.untimed
     rejecting = [place for place, node in summary.nodes.items() if node.rejected and not nodes.is_stray(*place)]
     commands = {place: node.commands for place, node in summary.nodes.items()}
     return not (unread or rejecting or summary.has_implausible) and nodes.is_complete(commands)
@@ -285,8 +344,13 @@ def _check_fields(fields: Sequence[str], editions: Iterable[Edition]) -> None:
             stop(f"there is no field `{visible(name)}`; {nearest(name, known) or 'see `canwright show COMMAND`'}")
 
 
-def _write(log: Log, rows: Iterable[Row], outputs: Outputs, summary: Summary) -> list[str]:
-    """Writes the rows of a log to all outputs, and counts them. Returns remarks."""
+def _write(
+    log: Log, rows: Iterable[Row], paused: Callable[[float], Iterable[Row]], outputs: Outputs, summary: Summary
+) -> list[str]:
+    """Writes the rows of a log to all outputs, and counts them; `paused` gives those of a stream after a pause in seconds.
+
+    Returns remarks.
+    """
     remarks: list[str] = []
     with contextlib.ExitStack() as stack:
         writers: list[Callable[[Row], object]] = [summary.add]
@@ -313,11 +377,12 @@ def _write(log: Log, rows: Iterable[Row], outputs: Outputs, summary: Summary) ->
             advance(len(block))
             block.clear()
 
-        def print_rows() -> None:
+        def print_rows(pause: float) -> None:
+            block.extend(paused(pause))
             if block:
                 print_block()
 
-        log.before_wait = print_rows
+        log.on_wait = print_rows
         for row in rows:
             block.append(row)
             if len(block) == BLOCK:

@@ -6,8 +6,10 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
-from ..model.formatting import bus_id, counted, numbers, sent, span as value_span
+from ..model.formatting import bus_id, counted, numbers, sent
+from ..model.refusal import Refusal
 from ..recordings.counter_gaps import CounterGaps
+from ..recordings.explain import meanings
 from ..recordings.exports import bus_name, milliseconds, seconds
 from ..recordings.log_frame import Counts, SkippedPart
 from ..recordings.nodes import Choice, Nodes
@@ -91,6 +93,7 @@ def summary_text(summary: Summary, nodes: Nodes, counts: Counts) -> str:
             *_nodes(summary, nodes),
             *_missing_settings(summary),
             *_unidentified(nodes),
+            *_foreign(summary, nodes),
             *_skipped(summary, counts),
         )
     )
@@ -173,7 +176,10 @@ def at_frame(place: Place) -> str:
 
 
 def _replies(node: NodeSummary) -> str:
-    replies = f"{node.replies} {'reply' if node.replies == 1 else 'replies'}"
+    count, of = node.replies, ""
+    if node.answered_by_others:
+        count, of = count + node.answered_by_others, " of the nodes that it addresses" if not count else ""
+    replies = f"{count} {'reply' if count == 1 else 'replies'}{of}"
     if not node.timed:
         return replies
     return f"{replies} after {milliseconds(node.mean_latency, 3)} ms on average, at most {milliseconds(node.longest, 3)} ms"
@@ -192,11 +198,10 @@ def _findings(node: NodeSummary) -> Iterator[str]:
     for (message, name), gaps in node.counters.items():
         if not gaps.is_regular:
             yield f"  {message.name}: {_counter_gaps(name, gaps)}"
-    for name, values in node.implausible.items():
-        cell, limits = values.example, values.example.column.field.type.plausible
+    for (name, limits), values in node.implausible.items():
+        cell = values.example
         value = value_text(cell.value, cell.raw, cell.column.unit)
-        among = f"{value_span(limits)} {cell.column.unit}".rstrip() if limits else ""
-        yield f"  {values.count} implausible: `{name}` is outside {among}, as {value} in {sent(values.frame)}"
+        yield f"  {values.count} implausible: `{name}` is outside {limits}, as {value} in {sent(values.frame)}"
     for reason, rejected in node.rejected.items():
         yield f"  {rejected.count} rejected, {reason.value}: {rejected.rejection.text}, as in {sent(rejected.example)}"
 
@@ -225,14 +230,31 @@ def _periods(periods: Periods) -> str:
     return "; ".join((*parts, longest))
 
 
-def _skipped(summary: Summary, counts: Counts) -> Iterator[str]:
+def _foreign(summary: Summary, nodes: Nodes) -> Iterator[str]:
+    """The foreign frames by id, and those that are of the family except for their length."""
     foreign = summary.foreign.total() + summary.other_foreign
     if foreign:
         ids = ", ".join(f"{bus_id(*id_)} ({count})" for id_, count in summary.foreign.most_common(SHOWN))
         more = ", ..." if len(summary.foreign) > SHOWN else ""
         yield f"{counted(foreign, 'frame')} with foreign ids: {ids}{more}"
+    for id_, _ in summary.foreign.most_common(SHOWN):
+        frame = summary.foreign_examples[id_]
+        every = [m for edition in nodes.family for m in meanings(edition, frame, {})]
+        lengths = [m.rejection.text for m in every if m.rejection and m.rejection.reason is Refusal.WRONG_LENGTH]
+        if lengths:
+            yield f"  {lengths[0]}, as in {sent(frame)}"
+
+
+def _skipped(summary: Summary, counts: Counts) -> Iterator[str]:
+    """What no row shows."""
     if counts.remote:
         yield f"{counted(counts.remote, 'remote frame')} among all frames"
+    if counts.has_differences:
+        yield "the times are differences, as of `candump -td`, and were added up"
+    if counts.untimed:
+        number, text = counts.first_untimed
+        where = f"line {number}: `{visible(text)}`" if number else "the first has more than 64 bits"
+        yield f"{counted(counts.untimed, 'frame')} without a time, since it cannot be read ({where})"
     for part in SkippedPart:
         if counts.skipped[part]:
             lines = [

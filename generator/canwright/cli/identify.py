@@ -20,7 +20,7 @@ from ..recordings.results import EditionScore, Evidence, Identification, NodeRes
 from ..semantics.configured import configured
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import at_frame, node_names
-from .node_settings import direction_of, recorder_option
+from .node_settings import differences_option, direction_of, recorder_option
 from .settings import assignment
 from .terminal import print_json, print_text
 
@@ -39,11 +39,14 @@ SHOWN = 4
     metavar="PARAMETER=VALUE",
     help="A parameter in ids or constants, of all nodes.",
 )
+@differences_option
 @recorder_option
-def identify(log: str, specs: Sequence[Path], form: str, settings: Sequence[str], recorder: str) -> None:
+def identify(
+    log: str, specs: Sequence[Path], form: str, settings: Sequence[str], has_differences: bool, recorder: str
+) -> None:
     """Show which editions a recorded exchange fits, and why.
 
-    Each node of each bus is identified separately. LOG is a log of candump or of any format that python-can reads, or
+    Each node of each bus is identified separately. LOG is a log of candump, ASC, BLF, TRC, MF4, CSV, pcap or another form, or
     - for the standard input. No frame contains its edition; the result follows from ids, codes, replies, reserved bits
     and plausible ranges of all frames, and may be undecided. If a node gets another edition, the result names the frame
     and the time of the change. Without --spec and without a folder spec/, the editions in the package are compared.
@@ -56,7 +59,7 @@ def identify(log: str, specs: Sequence[Path], form: str, settings: Sequence[str]
     editions = [configured(item.edition, known) for item in specifications]
     identifiers = Identifiers(editions, direction_of(recorder))
     try:
-        with open_log(log) as read_log:
+        with open_log(log, has_differences=has_differences) as read_log:
             for frame in read_log:
                 identifiers.add(frame)
     except (LogError, OSError) as error:

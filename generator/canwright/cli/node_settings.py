@@ -22,6 +22,14 @@ recorder_option = click.option(
     help="Who recorded the log, and so sent the frames that it marks as sent (Tx).",
 )
 
+differences_option = click.option(
+    "--time-differences",
+    "has_differences",
+    is_flag=True,
+    help="The times are since the frame before, as of `candump -td`. This is also seen where the first time is 0 and a "
+    "later one is smaller than the one before.",
+)
+
 
 def direction_of(recorder: str) -> Direction:
     """The direction of the frames that a recorder sends."""

@@ -210,7 +210,11 @@ class MessageSpec(Concept):
             ),
         ),
     ] = None
-    accept: Annotated[list[Byte] | None, Limits(max_length=256), Doc("Further codes that a receiver accepts.")] = None
+    accept: Annotated[
+        list[Byte] | None,
+        Limits(max_length=256),
+        Doc("Further codes that a receiver accepts. A decoded message keeps its code, with which it is encoded again."),
+    ] = None
     address: Annotated[AddressName | None, Doc("Address, if not that of the command.")] = None
     dlc: Annotated[
         int | None,

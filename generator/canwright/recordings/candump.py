@@ -45,6 +45,8 @@ def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
                 counts.skip(parsed, number, without_colours(line))
                 continue
             time, bus, id_, data, extended, remote, is_sent = parsed
+            if time is None and without_colours(line).lstrip().startswith("("):
+                counts.lacks_time(number, without_colours(line))
             recorded = LogFrame(time, bus, CanFrame(id_, data, extended, remote), _MARKS[is_sent])
             if len(known) < _MAX_KNOWN:
                 known[f") {bus} {id_:0{8 if extended else 3}X}"] = bus, id_, extended

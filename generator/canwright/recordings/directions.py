@@ -263,6 +263,8 @@ class Directions:
         self._is_stream = is_stream
         self._number = first
         self._buses: dict[str, _Bus] = {}
+        self._held: deque[PendingFrame | DirectedFrame] = deque()
+        """Frames that wait, and those after them."""
 
     def classify(self, recorded: Iterable[LogFrame]) -> Iterator[DirectedFrame]:
         """The frames of a log in their order, with their directions."""
@@ -273,7 +275,7 @@ class Directions:
             start = list(itertools.islice(iterator, LOOKED_AHEAD))
             self.behaviours = self.learn(start)
             iterator = itertools.chain(start, iterator)
-        held: deque[PendingFrame | DirectedFrame] = deque()
+        held = self._held
         for frame in iterator:
             judged = self.accept(frame)
             if isinstance(judged, DirectedFrame) and not held:
@@ -286,6 +288,14 @@ class Directions:
         for bus in self._buses:
             self.decide_pending(bus)
         yield from _released(held)
+
+    def paused(self, duration: int) -> Iterator[DirectedFrame]:
+        """The frames that need not wait any more after a pause of a stream, in ns."""
+        for bus in self._buses.values():
+            for exchange in [*bus.waiting]:
+                if exchange.settled < bus.clock + duration:
+                    self._decide_pending(exchange)
+        return _released(self._held)
 
     def _learning(self, recorded: Iterable[LogFrame]) -> Iterator[LogFrame]:
         """The frames of a stream; the behaviour is learned while they pass, at a sent frame of a bus without marks too."""

@@ -43,7 +43,7 @@ def golden_text(edition: Edition, message: Message, frame: CanFrame, assignment:
     raws = {name: str(raw) for name, raw in decoded.raws.items()}
     parts += _facts(edition, message, assignment, raws, _values(decoded, assignment))
     encoder = Encoder(assignment)
-    is_sent = encoder.encode_raws(message, decoded.node, decoded.raws) == frame
+    is_sent = encoder.encode_raws(message, decoded.node, decoded.raws, decoded.code) == frame
     if not is_sent or _is_written_otherwise(decoded, encoder):
         parts.append("decode_only: true")
     return _wrapped(parts)

@@ -1,11 +1,14 @@
-"""Logs of any known format, recognized by their content: candump, ASC, BLF, TRC, MF4, CSV; compressed or not."""
+"""Logs of any known format, recognized by their content: texts, binary files and captures; compressed or not."""
 
 from __future__ import annotations
 
+import bz2
 import contextlib
+import functools
 import gzip
 import io
 import lzma
+import select
 import sys
 import time
 import zlib
@@ -13,72 +16,113 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
-from . import by_python_can, candump, savvycan
-from .log_frame import OVERLONG, Counts, LogFrame, SkippedPart
+from . import asc, busmaster, by_python_can, candump, csv_table, line_forms, pcap, savvycan, slcan, sqlite_table, trc
+from .form_signs import form_of
+from .log_frame import OVERLONG, Counts, LogError as LogError, LogFrame, SkippedPart
 from .packages import MissingPackageError
+from .time_differences import since_start
 
 STANDARD_INPUT = "-"
+PAUSE = 0.05
+"""The time in seconds after which a stream that has no more frames pauses."""
+_AHEAD = 1000
+_AHEAD_OF_STREAM = 8
+"""How many frames are read before it is decided whether times that begin with 0 are differences."""
 _PEEKED = 4096
 _MAX_LINE = 4096
 """The maximum number of characters of a line. The longest lines of CAN FD frames have a few hundred."""
 _SKIPPED = 1 << 16
 """The number of characters of a longer line that are skipped at once."""
 _SHOWN = 80
-_COMPRESSED: dict[bytes, Callable[[BinaryIO], object]] = {b"\x1f\x8b": gzip.open, b"\xfd7zXZ\x00": lzma.open}
-_BINARY = {b"LOGG": "blf", b"MDF ": "mf4", b"UnFinMF ": "mf4"}
+_COMPRESSED: dict[bytes, Callable[[BinaryIO], object]] = {
+    b"\x1f\x8b": gzip.open,
+    b"BZh": bz2.open,
+    b"\xfd7zXZ\x00": lzma.open,
+}
+_MF4 = functools.partial(by_python_can.read_bytes, "mf4")
+_BINARY: dict[bytes, Callable[[BinaryIO, Counts], Iterator[LogFrame]]] = {
+    b"LOGG": functools.partial(by_python_can.read_bytes, "blf"),
+    b"MDF ": _MF4,
+    b"UnFinMF ": _MF4,
+    sqlite_table.MAGIC: sqlite_table.read,
+    **dict.fromkeys(pcap.MAGICS, pcap.read),
+}
+_SEEKING = {b"MDF ": "MF4", b"UnFinMF ": "MF4", sqlite_table.MAGIC: "a database"}
+"""What is read at many places, so that it cannot be a stream."""
 _MARKED = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
-_ASC = ("date ", "base ", "// version", "begin triggerblock")
-_TRC = (";$", ";##")
-
-
-class LogError(Exception):
-    """A log that cannot be read; the message states why and what to do."""
+TEXTS = {
+    "asc": asc.read,
+    "busmaster": busmaster.read,
+    "candump": candump.read,
+    "csv": csv_table.read,
+    "savvycan": savvycan.read,
+    "slcan": slcan.read,
+    "trc": trc.read,
+    **{name: line_forms.reader(form) for name, form in line_forms.FORMS.items()},
+}
 
 
 class Log:
     """The frames of a log, once, in their order. `counts` has what was skipped so far, and at the end the frames.
 
-    `before_wait` is called before each read of a stream, which may have to wait for the next frames; `waited` is the time
-    in seconds that these reads have taken.
+    `on_wait` is called with 0 before each read of a stream, which may have to wait for the next frames, and again at
+    each PAUSE with the time in seconds since then; `waited` is the time that these reads have taken. A log that
+    `is_followed` has no end. Its times are added up if they are known or seen to be differences. If it `is_ended` by the user, it ends where it is read next.
     """
 
-    def __init__(self, source: BinaryIO, name: str) -> None:
+    def __init__(
+        self, source: BinaryIO, name: str, *, is_followed: bool = False, has_differences: bool = False
+    ) -> None:
         self.counts = Counts()
         self.name = name
-        self.before_wait: Callable[[], object] = lambda: None
+        self.on_wait: Callable[[float], object] = lambda _: None
         self.waited = 0.0
+        self.is_followed = is_followed
+        self.is_ended = False
         self._source = source
+        self.has_differences = has_differences
 
     @property
     def is_file(self) -> bool:
-        """Whether the log is a regular file, so that it can be read again by its name."""
-        return Path(self.name).is_file()
+        """Whether the log is a regular file with an end, so that it can be read again by its name."""
+        return not self.is_followed and Path(self.name).is_file()
 
     def __iter__(self) -> Iterator[LogFrame]:
         """Raises LogError and OSError."""
         frames = 0
         source = self._source if self.is_file else cast("BinaryIO", _Stream(self._source, self))
         try:
-            for recorded in _read(_buffered(source), self.counts):
+            ahead = _AHEAD if self.is_file else _AHEAD_OF_STREAM
+            for recorded in _read(_buffered(source), self.counts, ahead, self.has_differences):
                 frames += 1
                 if recorded.frame.remote:
                     self.counts.remote += 1
                 yield recorded
+                if self.is_ended:
+                    break
         except MissingPackageError as error:
             raise LogError(str(error)) from None
-        except (EOFError, zlib.error, lzma.LZMAError, gzip.BadGzipFile) as error:
+        except (EOFError, zlib.error, lzma.LZMAError, OSError) as error:
+            if isinstance(error, OSError) and error.errno is not None:  # of the system, not of what is compressed
+                raise
             self.counts.skip(SkippedPart.TRUNCATED, 0, str(error))
         finally:
             self.counts.frames = frames
-        if not self.counts.frames:
+        errors = self.counts.skipped[SkippedPart.ERROR]
+        if errors and not self.counts.frames and not self.is_ended:
+            raise LogError(
+                f"{self.name} has {errors} error frames and no frames; check that the bit rate is that of the nodes, and the "
+                "wiring, the termination and the supply of the bus"
+            )
+        if not self.counts.frames and not self.is_ended:
             raise LogError(
                 f"{self.name} has no frames{_found(self.counts)}; record it with `candump -l`, or as "
-                "ASC, BLF, TRC, MF4 or CSV"
+                "ASC, BLF, TRC, MF4, CSV or pcap"
             )
 
 
 class _Stream(io.RawIOBase):
-    """The source of a log that announces each read."""
+    """The source of a log that announces each read, and each pause."""
 
     def __init__(self, source: BinaryIO, log: Log) -> None:
         self._source, self._log = source, log
@@ -87,22 +131,35 @@ class _Stream(io.RawIOBase):
         return True
 
     def readinto(self, buffer: Any) -> int:
-        self._log.before_wait()
-        start = time.monotonic()
-        content: bytes = self._source.read1(len(buffer))  # type: ignore[attr-defined]
-        self._log.waited += time.monotonic() - start
+        log, start, content = self._log, time.monotonic(), b""
+        log.on_wait(0)
+        while not log.is_ended:
+            if self._is_ready():
+                content = self._source.read1(len(buffer))  # type: ignore[attr-defined]
+                if content or not log.is_followed:
+                    break
+                time.sleep(PAUSE)
+            log.on_wait(time.monotonic() - start)
+        log.waited += time.monotonic() - start
         buffer[: len(content)] = content
         return len(content)
 
+    def _is_ready(self) -> bool:
+        """Whether a read does not wait; true also for what cannot be asked."""
+        try:
+            return bool(select.select([self._source], [], [], PAUSE)[0])
+        except (OSError, ValueError):
+            return True
+
 
 @contextlib.contextmanager
-def open_log(name: str) -> Iterator[Log]:
+def open_log(name: str, *, is_followed: bool = False, has_differences: bool = False) -> Iterator[Log]:
     """A log in a file, or in the standard input for `-`. Raises OSError."""
     if name == STANDARD_INPUT:
-        yield Log(sys.stdin.buffer, "the standard input")
+        yield Log(sys.stdin.buffer, "the standard input", has_differences=has_differences)
         return
     with Path(name).open("rb") as source:
-        yield Log(source, name)
+        yield Log(source, name, is_followed=is_followed, has_differences=has_differences)
 
 
 def _found(counts: Counts) -> str:
@@ -117,21 +174,32 @@ def _buffered(source: BinaryIO) -> io.BufferedReader:
     return source if isinstance(source, io.BufferedReader) else io.BufferedReader(cast("io.RawIOBase", source))
 
 
-def _read(source: io.BufferedReader, counts: Counts) -> Iterator[LogFrame]:
-    """The frames of a log in the format that its first bytes have."""
+def _read(source: io.BufferedReader, counts: Counts, ahead: int, are_differences: bool) -> Iterator[LogFrame]:
+    """The frames of a log in the format that its first bytes have, or those of the log that is compressed in it."""
     start = source.peek(_PEEKED)[:_PEEKED]
-    for magic, opened in _COMPRESSED.items():
+    opened = next((opened for magic, opened in _COMPRESSED.items() if start.startswith(magic)), None)
+    if opened is None:
+        return _frames(source, start, counts, ahead, are_differences)
+    unpacked = _buffered(cast("BinaryIO", opened(source)))
+    start = unpacked.peek(_PEEKED)[:_PEEKED]
+    if start.startswith((*_COMPRESSED, *_SEEKING)):
+        raise LogError("a compressed log contains another compressed file, MF4 or a database; decompress it first")
+    return _frames(unpacked, start, counts, ahead, are_differences)
+
+
+def _frames(
+    source: io.BufferedReader, start: bytes, counts: Counts, ahead: int, are_differences: bool
+) -> Iterator[LogFrame]:
+    for magic, read in _BINARY.items():
         if start.startswith(magic):
-            return _read(_buffered(cast("BinaryIO", opened(source))), counts)
-    for magic, form in _BINARY.items():
-        if start.startswith(magic):
-            return by_python_can.read_bytes(form, source, counts)
+            if magic in _SEEKING and not source.seekable():
+                raise LogError(f"{_SEEKING[magic]} cannot be read from a stream; give the name of the file")
+            return read(source, counts)
     encoding = next((name for mark, name in _MARKED.items() if start.startswith(mark)), _unmarked(start))
     lines = _lines(io.TextIOWrapper(source, encoding, errors="replace"))
-    form = _form(start.decode(encoding, "replace").lstrip("\ufeff"))
-    if form == "savvycan":
-        return savvycan.read(lines, counts)
-    return candump.read(lines, counts) if form == "candump" else by_python_can.read_lines(form, lines, counts)
+    form = form_of(start.decode(encoding, "replace").lstrip("\ufeff"))
+    frames = TEXTS[form](lines, counts)
+    return since_start(frames, counts, ahead if form == "candump" else 0, are_differences=are_differences)
 
 
 def _lines(text: io.TextIOWrapper) -> Iterator[str]:
@@ -148,14 +216,3 @@ def _lines(text: io.TextIOWrapper) -> Iterator[str]:
 def _unmarked(start: bytes) -> str:
     """The encoding of a text without a mark: every other byte of ASCII in UTF-16 is 0."""
     return "utf-16-le" if start[1:4:2] == b"\0\0" else "utf-16-be" if start[0:4:2] == b"\0\0" else "utf-8"
-
-
-def _form(start: str) -> str:
-    if start.startswith(savvycan.START):
-        return "savvycan"
-    if start.startswith(by_python_can.CSV_START):
-        return "csv"
-    lowered = start.lstrip().lower()
-    if lowered.startswith(_ASC):
-        return "asc"
-    return "trc" if lowered.startswith(_TRC) else "candump"

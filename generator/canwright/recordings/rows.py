@@ -7,12 +7,14 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from ..model import formatting
 from ..model.edition import Edition
 from ..model.joined import Joined
 from ..model.layout import CounterRole, Element, Field, Space
 from ..model.message import Direction, Message
 from ..model.types import Assignment, Encoding, Linear, Type, factors
 from ..semantics.decoder import linear_of, value_of
+from ..semantics.encoder import Encoder
 from ..semantics.frame import bits_at, parts_of
 from .directions import DecidedBy, DirectedFrame
 from .log_frame import new_tuple
@@ -47,6 +49,13 @@ class Cell(NamedTuple):
         return self.value if isinstance(self.value, str) and self.column.field.type.no_values else None
 
 
+class Limit(NamedTuple):
+    """A range of a type as text, and whether the raw integer and value of a column are outside."""
+
+    text: str
+    is_outside: Callable[[int, CellValue], bool]
+
+
 _Reader = tuple[bool, Callable[[int], int], Callable[[int], CellValue]]
 
 
@@ -70,8 +79,8 @@ class RowForm:
     """For each column: whether it is in the id, its raw integer in the id or in the data as one integer, and its value."""
     numbers: Sequence[bool]
     """For each column, whether all values are numbers."""
-    plausible: Sequence[tuple[int, float, float]]
-    """The positions of columns whose values can be implausible, with the limits."""
+    limits: Sequence[tuple[int, Limit]]
+    """The positions of columns whose values can be outside their range, with the limits."""
     counters: Sequence[tuple[int, CounterRole]]
     """The positions of columns that are counters."""
 
@@ -83,26 +92,24 @@ class RowForm:
         for in_id, read, value in self.readers:
             raw = read(id_ if in_id else data)
             fields += raw, value(raw)
-        implausible: Sequence[int] = ()
-        if self.plausible:
-            implausible = [at for at, low, high in self.plausible if not _is_between(fields[2 * at + 1], low, high)]
+        implausible: Sequence[tuple[int, str]] = ()
+        if self.limits:
+            implausible = [
+                (at, limit.text) for at, limit in self.limits if limit.is_outside(fields[2 * at], fields[2 * at + 1])
+            ]
         return new_tuple(Row, (judged, self, fields, implausible))
-
-
-def _is_between(value: CellValue, low: float, high: float) -> bool:
-    return not isinstance(value, (int, float)) or low <= float(value) <= high
 
 
 class Row(NamedTuple):
     """A frame with the raw integer and the value of each column of its form, one after the other in `fields`.
 
-    `implausible` are the positions of the columns with values outside the plausible range of their type.
+    `implausible` are the positions of the columns with values outside a range of their type, and the range as text.
     """
 
     judged: DirectedFrame
     form: RowForm
     fields: Sequence[Any]
-    implausible: Sequence[int]
+    implausible: Sequence[tuple[int, str]]
 
     @property
     def cells(self) -> Iterable[Cell]:
@@ -143,7 +150,6 @@ class RowReader:
         assignment = self._assignment(bus, frame.node)
         fields, missing = _fields(frame.message, assignment) if frame.message else ((), ())
         listed = [(field, *reading) for field in fields for reading in _readings(field, assignment)]
-        limits = [None if field.type.joined else field.type.plausible_limits for field, _, _ in listed]
         form = self._forms[alike] = RowForm(
             bus=bus,
             node=frame.node,
@@ -158,12 +164,29 @@ class RowReader:
             numbers=tuple(
                 field.type.joined is None and _scale(field.type, assignment) is not None for field, _, _ in listed
             ),
-            plausible=tuple((at, *ends) for at, ends in enumerate(limits) if ends is not None),
+            limits=tuple(
+                (at, limit) for at, (field, _, _) in enumerate(listed) for limit in _limits(field, assignment)
+            ),
             counters=tuple(
                 (at, role) for at, (field, _, _) in enumerate(listed) if isinstance(role := field.role, CounterRole)
             ),
         )
         return form
+
+
+def _limits(field: Field, assignment: Assignment) -> Iterator[Limit]:
+    """The plausible range of a field, and that of its raw integers as far as the parameters are known."""
+    type_ = field.type
+    if type_.joined is not None or not type_.is_number:
+        return
+    unit = f" {type_.unit.symbol}" if type_.unit else ""
+    if type_.plausible is not None:
+        yield Limit(f"{formatting.span(type_.plausible)}{unit}", lambda _, value: not type_.is_plausible(value))
+    if not type_.accepts_every_raw:
+        span, rejects = type_.raw_range.at(assignment), Encoder(assignment).rejects_raw
+        kind = "" if type_.encoding is Encoding.FLOAT else "raw "
+        text = f"{kind}{formatting.span(span)}{'' if kind else unit}" if span else "the finite numbers"
+        yield Limit(text, lambda raw, _: rejects(field, raw) is not None)
 
 
 def _fields(message: Message, assignment: Assignment) -> tuple[Sequence[Field], Sequence[str]]:

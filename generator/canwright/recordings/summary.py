@@ -35,8 +35,9 @@ class RejectedFrames:
 
 @dataclass
 class ImplausibleValues:
-    """The values of a field outside its plausible range, with the first of them."""
+    """The values of a field outside its plausible or its raw range, with the first of them."""
 
+    limits: str
     example: Cell
     frame: CanFrame
     count: int = 0
@@ -47,8 +48,8 @@ class NodeSummary:
     """The frames of a node on a bus.
 
     `missing` are requests that were not answered, `late` replies long after most others, `unexpected` replies without a
-    request, `copies` frames that were recorded again, `rejected` frames that are no message of their direction,
-    `implausible` values by field. Latencies are in ns. `labels` name the editions that fit, `commands` those of the frames.
+    request, `answered_by_others` replies of other nodes to its requests, `copies` frames that were recorded again, `rejected` frames that are no message of their direction,
+    `implausible` values by field and range. Latencies are in ns. `labels` name the editions that fit, `commands` those of the frames.
     """
 
     editions: dict[Edition, None] = field(default_factory=dict)
@@ -59,8 +60,9 @@ class NodeSummary:
     missing: int = 0
     late: int = 0
     unexpected: int = 0
+    answered_by_others: int = 0
     rejected: dict[Refusal, RejectedFrames] = field(default_factory=dict)
-    implausible: dict[str, ImplausibleValues] = field(default_factory=dict)
+    implausible: dict[tuple[str, str], ImplausibleValues] = field(default_factory=dict)
     decided: Counter[DecidedBy] = field(default_factory=Counter)
     without: dict[str, None] = field(default_factory=dict)
     """Parameters that are not given, so that values are missing."""
@@ -114,6 +116,8 @@ class Summary:
 
         An id is a number, whether it has 29 bits, and whether the frame is remote."""
         self.other_foreign = 0
+        self.foreign_examples: dict[tuple[int, bool, bool], CanFrame] = {}
+        """The first foreign frame of each listed id."""
         self._forms: dict[RowForm, _Counted] = {}
         self._waiting: dict[int, _Waiting] = {}
         self._end: dict[str, int] = {}
@@ -157,6 +161,7 @@ class Summary:
         id_ = frame.id, frame.extended, frame.remote
         if id_ in self.foreign or len(self.foreign) < _MAX_FOREIGN:
             self.foreign[id_] += 1
+            self.foreign_examples.setdefault(id_, frame)
         else:
             self.other_foreign += 1
 
@@ -202,8 +207,9 @@ class Summary:
 
     def _add_implausible(self, node: NodeSummary, row: Row) -> None:
         cells, frame = [*row.cells], row.judged.recorded.frame
-        for at in row.implausible:
-            known = node.implausible.setdefault(cells[at].column.name, ImplausibleValues(cells[at], frame))
+        for at, limits in row.implausible:
+            key = cells[at].column.name, limits
+            known = node.implausible.setdefault(key, ImplausibleValues(limits, cells[at], frame))
             known.count += 1
 
     def _reject(self, node: NodeSummary, rejection: Rejection, frame: CanFrame) -> None:
@@ -228,6 +234,7 @@ class Summary:
         if waiting is not None:
             assert waiting.request.command is not None
             waiting.replied.add(judged.node)
+            waiting.request.node.answered_by_others += bool(waiting.request.command.from_each)
             if len(waiting.replied) >= max(1, len(waiting.request.command.from_each)):
                 del self._waiting[judged.request]
         node.late += judged.is_late

@@ -16,7 +16,7 @@ from ..model.refusal import Refusal
 from ..model.types import Assignment, Order
 from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_value, rejects_checked
 from ..semantics.encoder import Encoder, Encoders
-from ..semantics.frame import CanFrame, Raw, difference, node_in_id, raws, sent_id
+from ..semantics.frame import CanFrame, Raw, code_of, difference, node_in_id, raws, sent_id
 from .golden_entries import KEY, EntryProblem, entry_findings, named
 from .rule import CheckInput, Findings, RelatedItem
 
@@ -116,7 +116,7 @@ def _encoded(
         if rejection:
             limits = f"`{name}` allows {encoder.limits(fields[name].type)}"
             yield ("raw", name), f"this frame cannot be encoded: {rejection.text}", f"{limits}; {_DECODE_ONLY}"
-    sent = encoder.encode_raws(message, frame.node, frame.raw)
+    sent = encoder.encode_raws(message, frame.node, frame.raw, code_of(message, can))
     if isinstance(sent, Rejection):
         if sent.reason is Refusal.NOT_AVAILABLE:
             yield (

@@ -33,18 +33,20 @@ def confusions(messages: Sequence[Message]) -> Mapping[Message, tuple[Confusion,
     The longest matching keys identify a frame, see `dispatch`: a message with all keys of another, and with further ones in
     bits that are fields there, takes those of its frames that have these values.
     """
-    known = [_bits_of(message) for message in messages]
+    known = [_bits_of(message, message.keys[0].value if message.keys else 0) for message in messages]
     by_keys: dict[int, list[Message]] = {}
     for message, bits in zip(messages, known, strict=True):
         by_keys.setdefault(bits.keys, []).append(message)
     result: dict[Message, tuple[Confusion, ...]] = {}
     for message, bits in zip(messages, known, strict=True):
+        further = (code for code in message.accepted_codes if code in message.identifying_codes)
+        sent = [bits, *(_bits_of(message, code) for code in further)]
         if message.keys and message.keys[0].value not in message.identifying_codes:
-            continue  # only its request identifies it
+            del sent[0]  # only its request identifies it
         rivals = (
             rival for keys, group in by_keys.items() if keys & bits.open and not bits.keys & ~keys for rival in group
         )
-        values = tuple(confusion for rival in rivals for confusion in _confusion(message, bits, rival))
+        values = tuple(confusion for rival in rivals for confusion in _confusion(message, sent, rival))
         if values:
             result[message] = values
     return result
@@ -58,11 +60,12 @@ class _Bits(NamedTuple):
     fixed: int
 
 
-def _bits_of(message: Message) -> _Bits:
+def _bits_of(message: Message, code: int) -> _Bits:
+    """The bits of frames with a code, which is the value of the first key."""
     keys = vary = fixed = 0
     for key in message.keys:
         keys |= _at(key.space, placed(key.segments, -1))
-        fixed |= _at(key.space, placed(key.segments, key.value))
+        fixed |= _at(key.space, placed(key.segments, code if key is message.keys[0] else key.value))
     for field in message.layout.fields:
         for element in field.elements:
             if isinstance(field.role, FixedRole) and not field.only:
@@ -76,17 +79,25 @@ def _at(space: Space, bits: int) -> int:
     return bits << _DATA if space is Space.DATA else bits
 
 
-def _confusion(message: Message, bits: _Bits, rival: Message) -> Iterator[Confusion]:
-    """The confusion with a message that has further keys; none if no valid frame has their values."""
+def _confusion(message: Message, sent: Sequence[_Bits], rival: Message) -> Iterator[Confusion]:
+    """The confusion with a message that has further keys; none if no valid frame has their values.
+
+    `sent` are the bits of its frames with each code that can be sent.
+    """
     first, *further = rival.keys
     rest = [(bits_of_key(key), key.value) for key in further]
     codes = tuple(
-        code for code in rival.identifying_codes if _is_possible(message, bits, [(bits_of_key(first), code), *rest])
+        code
+        for code in rival.identifying_codes
+        if any(_is_possible(message, bits, [(bits_of_key(first), code), *rest]) for bits in sent)
     )
     if codes:
         conditions = [(bits_of_key(first), codes), *((run, (value,)) for run, value in rest)]
+        varying = sent[0].open
+        if message.accepted_codes:
+            varying |= _at(message.keys[0].space, placed(message.keys[0].segments, -1))
         variable = tuple(
-            (run, values) for run, values in conditions if _at(run.space, placed(run.segments, -1)) & bits.open
+            (run, values) for run, values in conditions if _at(run.space, placed(run.segments, -1)) & varying
         )
         yield Confusion(command=rival.command, conditions=variable)
 

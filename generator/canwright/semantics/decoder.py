@@ -20,7 +20,7 @@ from ..model.message import BitRun, Direction, Message
 from ..model.refusal import Refusal
 from ..model.types import NO_PARAMETERS, Assignment, Encoding, Linear, Type, number_of, product_of
 from .dispatch import Discriminator, DispatchNode, Length, MaskedId, Match, Route, Select, dispatch_plan
-from .frame import CanFrame, Raw, checksum_of, difference, differs, node_in_id, raw_of, read_bits
+from .frame import CanFrame, Raw, checksum_of, code_of, difference, differs, node_in_id, raw_of, read_bits
 from .plan import CheckChecksum, CheckConstant, CheckParameter, ChooseFields, ReadField, message_plan
 
 Value = Fraction | str | list[str] | None
@@ -43,13 +43,17 @@ class Identified(NamedTuple):
 
 @dataclass(frozen=True)
 class Decoded:
-    """A message with its fields under some parameters; without constants; an array is a list."""
+    """A message with its fields under some parameters; without constants; an array is a list.
+
+    `code` is the one of several accepted codes that the frame has; None if there is one only.
+    """
 
     message: Message
     node: int | None
     variant: Variant
     raws: Mapping[str, Raw]
     values: Mapping[str, Value | list[Value]]
+    code: int | None = None
 
 
 class Decoder:
@@ -137,7 +141,7 @@ def _fields(identified: Identified, frame: CanFrame, assignment: Assignment) -> 
                 return rejection
     variant = layout.variant(assignment)
     assert variant is not None
-    return Decoded(*identified, variant, raws, values)
+    return Decoded(*identified, variant, raws, values, code_of(identified.message, frame))
 
 
 def rejects_checked(message: Message, frame: CanFrame, assignment: Assignment) -> Rejection | None:

@@ -24,12 +24,14 @@ from .decoder import Rejection, is_finite, linear_of, missing_parameter, value_o
 from .frame import CanFrame, Raw, checksum_of, parameter_raw
 from .plan import (
     CheckAvailable,
+    CheckCode,
     CheckField,
     CheckMeaning,
     CheckNode,
     ChooseFields,
     NeedParameter,
     WriteChecksum,
+    WriteCode,
     WriteField,
     WriteFixed,
     WriteParameter,
@@ -75,17 +77,28 @@ class Encoder:
             self._fields[message] = fields
         return self._fields[message]
 
-    def encode_raws(self, message: Message, node: int | None, raws: Mapping[str, Raw]) -> CanFrame | Rejection:
-        """The frame of a message with these raw integers by field. Raises ValueError for other fields."""
+    def encode_raws(
+        self, message: Message, node: int | None, raws: Mapping[str, Raw], code: int | None = None
+    ) -> CanFrame | Rejection:
+        """The frame of a message with these raw integers by field. Raises ValueError for other fields.
+
+        `code` is one of its accepted codes; None is the one that is usually sent.
+        """
         return self._encode(
-            message, node, raws, lambda field: self.rejects_raw(field, raws[field.name]) or raws[field.name]
+            message, node, raws, lambda field: self.rejects_raw(field, raws[field.name]) or raws[field.name], code
         )
 
     def encode_values(
-        self, message: Message, node: int | None, values: Mapping[str, Value | Number | list[Number]]
+        self,
+        message: Message,
+        node: int | None,
+        values: Mapping[str, Value | Number | list[Number]],
+        code: int | None = None,
     ) -> CanFrame | Rejection:
-        """The frame of a message with these values by field. Raises ValueError for other fields."""
-        return self._encode(message, node, values, lambda field: self.field_raw(field, exact_value(values[field.name])))
+        """The frame of a message with these values by field, and with a code as in `encode_raws`."""
+        return self._encode(
+            message, node, values, lambda field: self.field_raw(field, exact_value(values[field.name])), code
+        )
 
     def _encode(
         self,
@@ -93,9 +106,10 @@ class Encoder:
         node: int | None,
         given: Mapping[str, object],
         raw_of: Callable[[Field], Raw | Rejection],
+        code: int | None,
     ) -> CanFrame | Rejection:
         """Executes the steps of a message; `raw_of` converts what is given for a field, or rejects it."""
-        rejection = self.rejects(message, node)
+        rejection = self.rejects(message, node, code)
         if rejection:
             return rejection
         _check_names(message, self.fields(message), given)
@@ -104,7 +118,7 @@ class Encoder:
         assert rule is not None  # decided by `rejects`, before the names of fields are known
         id_, data = rule.base + (node or 0) * rule.node_step, 0
         for step in message_plan(message).encoding:
-            if isinstance(step, (CheckAvailable, CheckNode, NeedParameter, ChooseFields, CheckMeaning)):
+            if isinstance(step, (CheckAvailable, CheckCode, CheckNode, NeedParameter, ChooseFields, CheckMeaning)):
                 continue
             if step.field is not None and not message.layout.has(step.field, self.assignment):
                 continue
@@ -124,7 +138,7 @@ class Encoder:
                 checksum = checksum_of(step.checksum, _frame(message, id_, data))
                 data |= placed(step.field.elements[0].segments, checksum)
                 continue
-            for space, bits in _written(step, raws):
+            for space, bits in _written(step, raws, code):
                 if space is Space.ID:
                     id_ |= bits
                 else:
@@ -132,8 +146,8 @@ class Encoder:
         frame = _frame(message, id_, data)
         return _confused(message, frame) or frame
 
-    def rejects(self, message: Message, node: int | None) -> Rejection | None:
-        """The reason why the message cannot be sent to or from a node; None without one."""
+    def rejects(self, message: Message, node: int | None, code: int | None = None) -> Rejection | None:
+        """The reason why the message cannot be sent to or from a node, or with a code; None without one."""
         for step in message_plan(message).encoding:
             if isinstance(step, CheckAvailable):
                 for name, values in step.only.items():
@@ -141,6 +155,10 @@ class Encoder:
                     if value not in values:
                         text = f"{message.command} is available with {name}={' or '.join(values)}, not {value}"
                         return Rejection(Refusal.NOT_AVAILABLE, text)
+            if isinstance(step, CheckCode) and code is not None and code not in step.values:
+                codes = " or ".join(f"0x{value:02X}" for value in step.values)
+                text = f"{message.name} has {f'the code {codes}' if codes else 'no code'}, not 0x{code:02X}"
+                return Rejection(Refusal.UNKNOWN_CODE, text)
             if isinstance(step, CheckNode) and (node is None or node not in step.nodes):
                 text = f"{message.name} has no node {node}; its nodes are {step.nodes[0]}..{step.nodes[-1]}"
                 return Rejection(Refusal.UNKNOWN_NODE, text, "node")
@@ -316,8 +334,13 @@ def _frame(message: Message, id_: int, data: int) -> CanFrame:
     return CanFrame(id_, written, message.id.extended, message.remote)
 
 
-def _written(step: WriteFixed | WriteParameter | WriteField, raws: Mapping[Field, Raw]) -> Iterator[tuple[Space, int]]:
+def _written(
+    step: WriteCode | WriteFixed | WriteParameter | WriteField, raws: Mapping[Field, Raw], code: int | None
+) -> Iterator[tuple[Space, int]]:
     """The bits that a step writes."""
+    if isinstance(step, WriteCode):
+        yield step.key.space, placed(step.key.segments, step.key.value if code is None else code)
+        return
     if isinstance(step, WriteFixed):
         yield step.space, placed(step.segments, step.raw)
         return

@@ -160,6 +160,16 @@ def node_of(message: Message, frame: CanFrame, assignment: Assignment = NO_PARAM
     return node_in_id(message, frame, assignment) if bits is None else read_bits(bits, frame)
 
 
+def code_of(message: Message, frame: CanFrame) -> int | None:
+    """The code that a frame of this message has; None if it can have no other one."""
+    return read_bits(message.keys[0], frame) if message_plan(message).codes else None
+
+
+def has_usual_code(message: Message, frame: CanFrame) -> bool:
+    """Whether a frame of this message has the code that is sent unless another is given."""
+    return code_of(message, frame) in (None, *(key.value for key in message.keys[:1]))
+
+
 def has_id(message: Message, frame: CanFrame, assignment: Assignment = NO_PARAMETERS) -> bool:
     """Whether the id of a frame is one of the message's, keys in the id included."""
     if not all(_has_key(accepted, frame) for accepted in message_plan(message).keys if accepted.key.space is Space.ID):

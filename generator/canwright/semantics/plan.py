@@ -52,6 +52,13 @@ class CheckAvailable:
 
 
 @dataclass(frozen=True)
+class CheckCode:
+    """Reject (unknown_code) if a code is given that is not one of `values`; without one, the first of them is sent."""
+
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class CheckNode:
     """Reject (unknown_node) if the node is not one of `nodes`, or is missing."""
 
@@ -111,6 +118,14 @@ class WriteFixed:
 
 
 @dataclass(frozen=True)
+class WriteCode:
+    """Write the code into the bits of its key."""
+
+    key: Key
+    field: None = None
+
+
+@dataclass(frozen=True)
 class WriteParameter:
     """Write the value of a parameter into the field; reject (missing_parameter) if it is missing."""
 
@@ -143,10 +158,12 @@ class CheckMeaning:
 DecodingStep = CheckConstant | CheckChecksum | ChooseFields | CheckParameter | ReadField
 EncodingStep = (
     CheckAvailable
+    | CheckCode
     | CheckNode
     | NeedParameter
     | ChooseFields
     | CheckField
+    | WriteCode
     | WriteFixed
     | WriteParameter
     | WriteField
@@ -157,7 +174,7 @@ EncodingStep = (
 
 @dataclass(frozen=True)
 class AcceptedKey:
-    """A key with the values that a receiver accepts; the first is the one that a sender writes."""
+    """A key with the values that a receiver accepts; a sender writes the first one, or one that is given."""
 
     key: Key
     values: tuple[int, ...]
@@ -188,6 +205,12 @@ class MessagePlan:
     def length(self) -> int:
         """The number of data bytes of a frame; a remote frame has none."""
         return 0 if self.message.remote else self.message.dlc
+
+    @property
+    def codes(self) -> tuple[int, ...]:
+        """The codes that a frame can have, first the one that is sent unless another is given; empty if there is no choice."""
+        values = self.keys[0].values if self.keys else ()
+        return values if len(values) > 1 else ()
 
     @cached_property
     def checksum(self) -> CheckChecksum | None:
@@ -254,6 +277,7 @@ def _encoding(message: Message) -> Iterator[EncodingStep]:
     fields = message.layout.fields
     if message.only:
         yield CheckAvailable(message.only)
+    yield CheckCode(_accepted(message, 0).values if message.keys else ())
     if message.id.nodes is not None:
         yield CheckNode(message.id.nodes)
     if message.id.parameter is not None:
@@ -261,7 +285,8 @@ def _encoding(message: Message) -> Iterator[EncodingStep]:
     yield from _choice(message)
     values = [field for field in fields if field.role.is_value]
     yield from map(CheckField, values)
-    yield from (WriteFixed(key.space, key.segments, key.value, None) for key in message.keys)
+    yield from map(WriteCode, message.keys[:1])
+    yield from (WriteFixed(key.space, key.segments, key.value, None) for key in message.keys[1:])
     for field in fields:
         if isinstance(field.role, FixedRole):
             yield from (WriteFixed(field.space, e.segments, field.role.raw, field) for e in field.elements)

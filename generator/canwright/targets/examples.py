@@ -18,12 +18,18 @@ from ..model.types import Assignment, Type
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.encoder import Encoder
 from ..semantics.exchange import check_reply
-from ..semantics.frame import CanFrame
+from ..semantics.frame import CanFrame, has_usual_code
 from ..semantics.valid_raws import RawInterval, valid_raws
 from .base import EditionInput, WorkedExchange
 
 MAX_TRIED = 12
 """Most frames of a direction that are tried as half of an exchange."""
+
+
+def is_usual(message: Message | None, frame: GoldenFrame) -> bool:
+    """Whether an encoder writes a frame of a message without being told its code."""
+    can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
+    return message is not None and not frame.decode_only and has_usual_code(message, can)
 
 
 class CommandExamples(NamedTuple):
@@ -57,7 +63,9 @@ class Examples:
         Both are frames that an encoder writes, for a node with the same parameters.
         """
         sides = (self._frames(command, direction) for direction in Direction)
-        requests, replies = ([frame for frame in side if not frame.decode_only] for side in sides)
+        requests, replies = (
+            [frame for frame in side if is_usual(command.message(frame.direction), frame)] for side in sides
+        )
         for request, reply in itertools.product(requests, replies):
             if self._answers(request, reply):
                 yield _worked(command, request, reply, is_answered=True)
@@ -93,7 +101,7 @@ class Examples:
         if message is None:
             return ()
         frames = self._frames(command, direction)
-        usual = [frame for frame in frames if not frame.decode_only] or frames
+        usual = [frame for frame in frames if is_usual(message, frame)] or frames
         return sorted(usual, key=lambda frame: _rank(message, frame))
 
     def _best(

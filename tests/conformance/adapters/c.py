@@ -16,6 +16,7 @@ from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import NO_PARAMETERS, Encoding
 from canwright.semantics.exchange import exchange_plans
+from canwright.semantics.frame import code_of
 from canwright.targets.base import EditionInput
 from canwright.targets.c.target import CTarget
 
@@ -45,6 +46,7 @@ class CAdapter(Adapter):
     """Answers through `decode_request`, `decode_reply`, the functions of each message, and the conversions."""
 
     name = "c"
+    reports_code = True
     cannot: ClassVar[Mapping[str, str]] = {
         "joined": "functions take texts without 0, in UTF-8 without a check, and unsigned integers",
         "exchanges": "no request has a reply, so there is no `check_reply`",
@@ -103,13 +105,22 @@ class CAdapter(Adapter):
             else:
                 values[field.name] = _value(mine[0][1])
         has_node = message.id.nodes is not None or message.node_in_data is not None
-        return Decoded(command, int(node) if has_node else None, raw, values)
+        given = next((int(number) for name, number, _ in items if name == "frame_code="), 0)
+        code = code_of(message, frame) and given % (1 << message.keys[0].width)
+        assert bool(given) is (code is not None), f"{command}: the code is {given}"
+        return Decoded(command, int(node) if has_node else None, raw, values, code)
 
     def encode_raw(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        raw: Mapping[str, Raw],
+        parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         message = self.message_of(direction, command)
-        words: list[str] = []
+        words = _code(message, code)
         for field, index, number in _items(message.layout, raw):
             low, high = _container(field)
             if not low <= int(str(number)) <= high:
@@ -124,9 +135,10 @@ class CAdapter(Adapter):
         node: int | None,
         values: Mapping[str, ExactValue],
         parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         message = self.message_of(direction, command)
-        words: list[str] = []
+        words = _code(message, code)
         for field, index, value in _items(message.layout, values):
             if field.type.joined is not None:
                 words += [f"{field.name}=", "0", _given(field.type.joined, value)]
@@ -245,6 +257,14 @@ class CAdapter(Adapter):
 
 def _end(process: subprocess.Popen[str]) -> None:
     process.communicate()
+
+
+def _code(message: Message, code: int | None) -> list[str]:
+    """The member with a code: 0 is the usual one, and the code 0 is the bit above the largest one."""
+    usual = message.keys[0] if message.keys else None
+    if code is None or usual is None:
+        return []
+    return ["frame_code=", "0", str(1 << usual.width if code == 0 and usual.value else code)]
 
 
 def _items(layout: Layout, given: Mapping[str, Raw] | Mapping[str, ExactValue]) -> Iterator[tuple[Field, int, object]]:

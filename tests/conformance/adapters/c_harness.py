@@ -13,6 +13,7 @@ from canwright.model.joined import JoinedText
 from canwright.model.layout import Field, Layout
 from canwright.model.message import Direction, Message
 from canwright.model.types import Encoding, Type
+from canwright.semantics.plan import message_plan
 from canwright.targets.c.names import PARTS, Names, layouts, member
 
 from .c_facts import Facts
@@ -46,7 +47,7 @@ class _Harness:
 
     def text(self, include: str, facts: str) -> str:
         check = self._functions.get(f"{self._prefix}check_reply")
-        with_fields = [layout for layout in layouts(self._edition) if _has_members(layout)]
+        with_fields = [layout for layout in layouts(self._edition) if _has_members(self._edition, layout)]
         template = jinja2.Environment(
             undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
         )
@@ -85,7 +86,7 @@ class _Harness:
         if decode is None:
             return None
         check = self._functions.get(f"{self._prefix}any_{direction.value}_check")
-        messages = [m for m in self._edition.messages(direction) if _has_members(m.layout)]
+        messages = [m for m in self._edition.messages(direction) if _has_members(self._edition, m.layout)]
         identify = self._functions.get(f"{self._prefix}identify_{direction.value}")
         print_ = self._functions[f"{self._prefix}print_{direction.value}"]
         names = {**ARGUMENTS, "text": "text", "size": "size"}
@@ -112,7 +113,7 @@ class _Harness:
         return {
             "name": message.name,
             "command": message.command,
-            "layout": self._names(message.layout) if _has_members(message.layout) else None,
+            "layout": self._names(message.layout) if _has_members(self._edition, message.layout) else None,
             "decode": self._functions[f"{c}_decode"].call(ARGUMENTS),
             "encode": self._functions[f"{c}_encode"].call(ARGUMENTS),
             "check": check.call(ARGUMENTS) if check else "",
@@ -123,12 +124,13 @@ class _Harness:
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
         fields = [self._field(field) for field in layout.fields if field.role.is_value]
-        pack = self._functions[self._in_c.lower(layout.name, "pack")]
+        pack = self._functions.get(self._in_c.lower(layout.name, "pack"))
         return {
             **self._names(layout),
             "fields": fields,
-            "pack": pack.call(ARGUMENTS).replace("&message", "message"),
-            "pack_fails": "status" in pack.result,
+            "code": _code_kind(self._edition, layout),
+            "pack": pack.call(ARGUMENTS).replace("&message", "message") if pack else "(void)message",
+            "pack_fails": pack is not None and "status" in pack.result,
         }
 
     def _field(self, field: Field) -> dict[str, Any]:
@@ -187,5 +189,12 @@ class _Harness:
         return function.call({"raw": "*raw", "value": "strtod(text, NULL)", "parameters": "known"}).replace("&*", "")
 
 
-def _has_members(layout: Layout) -> bool:
-    return any(field.role.is_value for field in layout.fields)
+def _has_members(edition: Edition, layout: Layout) -> bool:
+    return any(field.role.is_value for field in layout.fields) or bool(_code_kind(edition, layout))
+
+
+def _code_kind(edition: Edition, layout: Layout) -> str:
+    """The type of the member with the code; empty unless a message of a layout can have several."""
+    several = [m for m in edition.of_layout(layout) if message_plan(m).codes]
+    widths = [m.keys[0].width + (0 in message_plan(m).codes[1:]) for m in several]
+    return f"uint{next(w for w in (8, 16, 32, 64) if w >= max(widths))}_t" if widths else ""

@@ -7,8 +7,9 @@ from typing import Any
 
 import jinja2
 from canwright.model.edition import Edition
-from canwright.model.layout import Field
+from canwright.model.layout import Field, Layout
 from canwright.model.types import Encoding
+from canwright.semantics.plan import message_plan
 from canwright.targets.base import EditionInput
 from canwright.targets.c.choices import enumerator_numbers
 from canwright.targets.c.cxx import CxxView, FieldView
@@ -47,7 +48,7 @@ def cxx_harness(edition: Edition) -> str:
     """The text of the program."""
     view = edition_view(edition)
     names = CxxView(edition, view)
-    with_fields = [fields for fields in map(_fields, layouts(edition)) if fields]
+    with_members = [_fields(layout) for layout in layouts(edition) if _has_members(edition, layout)]
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     return environment.from_string(TEMPLATE.read_text("utf-8")).render(
         e=view,
@@ -61,13 +62,21 @@ def cxx_harness(edition: Edition) -> str:
         tags=view.fields,
         codes=[edition.command(message.command).code for message in edition.all_messages()],
         structs=[
-            {"name": layout.name, "fields": [_field(names, *pair) for pair in zip(fields, layout.fields, strict=True)]}
-            for fields, layout in zip(with_fields, names.layouts, strict=True)
+            {
+                "name": layout.name,
+                "fields": [_field(names, *pair) for pair in zip(fields, layout.fields, strict=True)],
+                "code": layout.code.kind if layout.code else "",
+            }
+            for fields, layout in zip(with_members, names.layouts, strict=True)
         ],
     )
 
 
-def _fields(layout: Any) -> list[Field]:
+def _has_members(edition: Edition, layout: Layout) -> bool:
+    return bool(_fields(layout)) or any(message_plan(message).codes for message in edition.of_layout(layout))
+
+
+def _fields(layout: Layout) -> list[Field]:
     return [field for field in layout.fields if field.role.is_value]
 
 

@@ -171,9 +171,15 @@ class DbcAdapter(Adapter):
         return any(raw_of(f, frame) != f.role.sent_raw for f in reserved)
 
     def encode_raw(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        raw: Mapping[str, Raw],
+        parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
-        return self._encode(direction, command, node, raw, parameters, scaled=False)
+        return self._encode(direction, command, node, raw, parameters, code, scaled=False)
 
     def encode_values(
         self,
@@ -182,8 +188,9 @@ class DbcAdapter(Adapter):
         node: int | None,
         values: Mapping[str, ExactValue],
         parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
-        return self._encode(direction, command, node, values, parameters, scaled=True)
+        return self._encode(direction, command, node, values, parameters, code, scaled=True)
 
     def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
         raise Cannot("exchanges")
@@ -236,17 +243,18 @@ class DbcAdapter(Adapter):
         node: int | None,
         given: Mapping[str, Raw] | Mapping[str, ExactValue],
         parameters: Parameters,
+        code: int | None,
         scaled: bool,
     ) -> Encoded | Refused:
         if self._with_ids(parameters) is not self:
-            return self._with_ids(parameters)._encode(direction, command, node, given, parameters, scaled)
+            return self._with_ids(parameters)._encode(direction, command, node, given, parameters, code, scaled)
         message = self.message_of(direction, command)
         if message.name in self._left_out or message.parameters:
             raise Cannot("left_out")
         written = []
         for known, fixed in self._names(parameters):
             loaded = self._files(direction, known, fixed)
-            written.append(_first(file.write(message, node, given, parameters, scaled) for file in loaded))
+            written.append(_first(file.write(message, node, given, parameters, code, scaled) for file in loaded))
         if all(result is None for result in written):
             raise Cannot("selectors_apart" if len(message.keys) > 1 else "other_value")
         for answer in written:

@@ -162,7 +162,11 @@ class DbcFile:
         return next((self._edition.command(message.command) for message in alike), None)
 
     def _code(
-        self, message: Message, selector: Signal, given: Mapping[str, Raw] | Mapping[str, ExactValue]
+        self,
+        message: Message,
+        selector: Signal,
+        given: Mapping[str, Raw] | Mapping[str, ExactValue],
+        given_code: int | None,
     ) -> int | None:
         """What the selector holds for a message; None when the file does not have it, or shows raw bits in its place."""
         choices = {int(value): str(text) for value, text in (selector.choices or {}).items()}
@@ -172,10 +176,10 @@ class DbcFile:
             if value in choices:
                 raise Cannot("other_code")
             return int(value)
-        if self._is_of_table:
+        if self._is_of_table and given_code is None:
             return next((value for value, text in choices.items() if text == message.command), None)
-        is_only_key = _data_keys(message) == 1
-        return message.keys[0].value if is_only_key and message.keys[0].value in choices else None
+        code = message.keys[0].value if given_code is None else given_code
+        return code if _data_keys(message) == 1 and code in choices else None
 
     def write(
         self,
@@ -183,6 +187,7 @@ class DbcFile:
         node: int | None,
         given: Mapping[str, Raw] | Mapping[str, ExactValue],
         parameters: Parameters,
+        given_code: int | None,
         scaled: bool,
     ) -> Encoded | Refused | None:
         """The frame, or why not; None when the file lacks the command."""
@@ -195,7 +200,7 @@ class DbcFile:
         number = next((named[ending] for ending in endings if ending in named), None)
         can_message = None if number is None else self._messages.message(number)
         selector = _selector(can_message) if can_message else None
-        code = self._code(message, selector, given) if selector else None
+        code = self._code(message, selector, given, given_code) if selector else None
         if can_message is None or (selector and code is None):
             return None
         if not of_node:

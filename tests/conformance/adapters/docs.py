@@ -7,6 +7,7 @@ import re
 import struct
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, ClassVar
@@ -224,11 +225,30 @@ class DocsAdapter(Adapter):
         return (node,) if not beside and node in page.nodes else ()
 
     def encode_raw(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        raw: Mapping[str, Raw],
+        parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         if any(parameters.get(n, only[0]) not in only for n, only in self.message_of(direction, command).only.items()):
             raise Cannot("availability")
         page = self._messages[direction, command].at(parameters)
+        if code is not None:
+            first, *further = page.keys
+            if code not in (first.value, *first.accepted):
+                return Refused(Refusal.UNKNOWN_CODE)
+            page = replace(page, keys=(replace(first, value=code), *further))
+        encoded = self._encode(page, node, raw, parameters)
+        if means_another(self.message_of(direction, command), encoded):
+            raise Cannot("confusion")
+        return encoded
+
+    def _encode(
+        self, page: MessagePage, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+    ) -> Encoded | Refused:
         rows = self._rows(page, parameters)
         if page.parameter and page.nodes is not None and node not in page.nodes:
             return Refused(Refusal.UNKNOWN_NODE)
@@ -258,10 +278,7 @@ class DocsAdapter(Adapter):
             assert row.checksum
             word |= row.bits.write(row.checksum.of(can_id, page.extended, data, row.bits))
             data = word.to_bytes(page.dlc, "little")
-        encoded = Encoded(can_id, data, page.extended, page.remote)
-        if means_another(self.message_of(direction, command), encoded):
-            raise Cannot("confusion")
-        return encoded
+        return Encoded(can_id, data, page.extended, page.remote)
 
     def _refusal(self, row: FieldRow, raw: int, parameters: Parameters) -> Refusal | None:
         is_float = row.raw[0] == "f" and self._no_value(row, raw) is None
@@ -296,6 +313,7 @@ class DocsAdapter(Adapter):
         node: int | None,
         values: Mapping[str, ExactValue],
         parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         rows = self._rows(self._messages[direction, command], parameters)
         if isinstance(rows, Refused):
@@ -321,7 +339,7 @@ class DocsAdapter(Adapter):
             if isinstance(integer, Refused):
                 return integer
             raw[row.name] = integer if row.index is None else [*raw.get(row.name, []), integer]  # type: ignore[misc]
-        return self.encode_raw(direction, command, node, raw, parameters)
+        return self.encode_raw(direction, command, node, raw, parameters, code)
 
     def _to_raw(self, row: FieldRow, value: ExactValue, parameters: Parameters) -> int | Refused:
         if row.type in self._members and not isinstance(value, Fraction):

@@ -31,6 +31,7 @@ class JavaScriptAdapter(Adapter):
     """Answers through the exported functions: every kind of question."""
 
     name = "javascript"
+    reports_code = True
 
     def __init__(self, edition: Edition, module: Path) -> None:
         super().__init__(edition)
@@ -63,13 +64,19 @@ class JavaScriptAdapter(Adapter):
             if entry["reason"] != Refusal.MISSING_PARAMETER.value:
                 value = _names(field, entry["raw"], entry["value"]) if field.type.flags else entry["value"]
                 values[entry["name"]] = _or_names(_value(value), entry["noValue"])
-        return Decoded(answer["command"], answer["node"], answer["raw"], values)
+        return Decoded(answer["command"], answer["node"], answer["raw"], values, answer.get("code"))
 
     def encode_raw(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        raw: Mapping[str, Raw],
+        parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         return self._encode(
-            direction, command, node, parameters, raw={name: _given(value) for name, value in raw.items()}
+            direction, command, node, parameters, code, raw={name: _given(value) for name, value in raw.items()}
         )
 
     def encode_values(
@@ -79,16 +86,23 @@ class JavaScriptAdapter(Adapter):
         node: int | None,
         values: Mapping[str, ExactValue],
         parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         message = self.message_of(direction, command)
         fields = {field.name: field for field in message.layout.fields}
         given = {name: _content(fields[name], value) for name, value in values.items()}
-        return self._encode(direction, command, node, parameters, values=given)
+        return self._encode(direction, command, node, parameters, code, values=given)
 
     def _encode(
-        self, direction: Direction, command: str, node: int | None, parameters: Parameters, **content: Any
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        parameters: Parameters,
+        code: int | None,
+        **content: Any,
     ) -> Encoded | Refused:
-        content |= {"node": node, "parameters": _plain(parameters)}
+        content |= {"node": node, "parameters": _plain(parameters), **({} if code is None else {"code": code})}
         answer = self.ask("encode", direction=direction.value, command=command, content=content)
         if isinstance(answer, Refused):
             return answer

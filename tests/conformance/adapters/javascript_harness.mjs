@@ -23,7 +23,7 @@ function decoded(message) {
   if (![message, message.frame, message.frame.data, message.fields, message.raw, message.values].every(Object.isFrozen)) {
     throw new Error("a message is not immutable");
   }
-  return { command: message.command, node: message.node, raw: { ...message.raw }, fields: message.fields.map((field) => ({ ...field })) };
+  return { command: message.command, node: message.node, code: message.code, raw: { ...message.raw }, fields: message.fields.map((field) => ({ ...field })) };
 }
 
 const tasks = {

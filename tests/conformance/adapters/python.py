@@ -47,6 +47,7 @@ class PythonAdapter(Adapter):
     """Answers through `decode_request`, `decode_reply`, `decode_answer`, `unpack`, constructors and `encode`."""
 
     name = "python"
+    reports_code = True
     cannot: ClassVar[Mapping[str, str]] = {
         "expected": "a frame that is no answer is decoded by itself; no function expects one class and checks for it",
         "not_asked": "the reply of a node that a request to several nodes does not ask is no answer",
@@ -79,7 +80,8 @@ class PythonAdapter(Adapter):
         if again != message or (message.can_id ^ frame.id) & ~self._reserved(message, direction):
             raise AssertionError(f"{message} does not go back to id 0x{frame.id:X}")
         raw = {self._names[n]: list(v) if isinstance(v, tuple) else int(v) for n, v in message.raw().items()}
-        return Decoded(message.COMMAND, message.node, raw, dict(self._values(message)))
+        code = message.frame_code if message.CODES else None
+        return Decoded(message.COMMAND, message.node, raw, dict(self._values(message)), code)
 
     def _decoded(self, direction: Direction, frame: CanFrame, given: Parameters, expected: str | None) -> Any:
         """The message of a frame: of any class, of the class that answers a request, or of the class of a request."""
@@ -137,20 +139,33 @@ class PythonAdapter(Adapter):
         return {f.name for m in same for f in m.layout.fields if f.type.enum}
 
     def encode_raw(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        raw: Mapping[str, Raw],
+        parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         try:
-            return _encoded(self.message(direction, command, node, raw, parameters))
+            return _encoded(self.message(direction, command, node, raw, parameters, code))
         except ValueError as error:
             return self._refused(error)
 
     def message(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        raw: Mapping[str, Raw],
+        parameters: Parameters,
+        code: int | None = None,
     ) -> Any:
         """A message of the package from its raw integers."""
         cls = self._class(direction, command)
         given = {attribute(n): v for n, v in raw.items()}
-        return cls.from_raw(**self._node(cls, node), parameters=self.parameters(parameters), **given)
+        known = self.parameters(parameters)
+        return cls.from_raw(**self._node(cls, node), parameters=known, frame_code=code, **given)
 
     def encode_values(
         self,
@@ -159,11 +174,13 @@ class PythonAdapter(Adapter):
         node: int | None,
         values: Mapping[str, ExactValue],
         parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         try:
             cls = self._class(direction, command)
             given = {attribute(n): self._given(cls, n, v) for n, v in values.items()}
             extra = {"parameters": self.parameters(parameters)} if self._takes_parameters(cls) else {}
+            extra |= {} if code is None else {"frame_code": code}
             return _encoded(cls(**self._node(cls, node), **given, **extra))
         except ValueError as error:
             return self._refused(error)

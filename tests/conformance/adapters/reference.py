@@ -36,6 +36,7 @@ class ReferenceAdapter(Adapter):
     """Answers from the model alone."""
 
     name = "reference"
+    reports_code = True
 
     def __init__(self, edition: Edition) -> None:
         super().__init__(edition)
@@ -63,7 +64,7 @@ class ReferenceAdapter(Adapter):
             if f.name in result.values and self._is_missing(f, result.raws[f.name], parameters)
         }
         values = {name: _value(value) for name, value in result.values.items() if name not in missing}
-        return Decoded(result.message.command, node_of(result.message, frame, known), result.raws, values)
+        return Decoded(result.message.command, node_of(result.message, frame, known), result.raws, values, result.code)
 
     def _is_missing(self, field: Field, raw: Raw, parameters: Parameters) -> bool:
         """Whether the value of a field, or of an element of it, depends on a missing parameter."""
@@ -75,10 +76,16 @@ class ReferenceAdapter(Adapter):
         return isinstance(nearest, Rejection) and nearest.reason is Refusal.MISSING_PARAMETER
 
     def encode_raw(
-        self, direction: Direction, command: str, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
+        self,
+        direction: Direction,
+        command: str,
+        node: int | None,
+        raw: Mapping[str, Raw],
+        parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         encoder = self._encoders.for_parameters(parameters)
-        return _encoded(encoder.encode_raws(self.message_of(direction, command), node, raw))
+        return _encoded(encoder.encode_raws(self.message_of(direction, command), node, raw, code))
 
     def encode_values(
         self,
@@ -87,6 +94,7 @@ class ReferenceAdapter(Adapter):
         node: int | None,
         values: Mapping[str, ExactValue],
         parameters: Parameters,
+        code: int | None = None,
     ) -> Encoded | Refused:
         """Fractions that are doubles are converted as targets convert doubles."""
         encoder = self._encoders.for_parameters(parameters)
@@ -96,7 +104,7 @@ class ReferenceAdapter(Adapter):
             name: _as_double(value, fields[name].type, encoder.assignment) if name in fields else value
             for name, value in values.items()
         }
-        return _encoded(encoder.encode_values(message, node, given))
+        return _encoded(encoder.encode_values(message, node, given, code))
 
     def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
         result = check_reply(self._decoder, request, reply, assignment(parameters))

@@ -1164,6 +1164,8 @@ typedef struct {
     uint16_t voltage;
     /** Errors, DATA[7]. Raw integer, type error_flags: ERROR_FLAGS_*. In the manual: errorState. */
     uint8_t errors;
+    /** The code, as it came or as it is to be sent; 0 is the usual one. reply of clear_errors: 0x9A or 0x9B. */
+    uint8_t frame_code;
 } mwd_motor_v2_35_status_1_t;
 
 /** Checks whether a message is valid; `field` is the field that is rejected. */
@@ -3448,6 +3450,7 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_1_reply_decode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    message->frame_code = 0u;
     mwd_motor_v2_35_status_1_unpack(message, frame);
     return CANWRIGHT_OK;
 }
@@ -3487,14 +3490,18 @@ static inline canwright_status_t mwd_motor_v2_35_clear_errors_request_decode(
 /** The reply of clear_errors. */
 typedef mwd_motor_v2_35_status_1_t mwd_motor_v2_35_clear_errors_reply_t;
 
-/** Encodes a reply; invalid values are rejected. */
+/** Encodes a reply; a code that is none of its own and invalid values are rejected. */
 CANWRIGHT_CHECKED CANWRIGHT_NONNULL
 static inline canwright_status_t mwd_motor_v2_35_clear_errors_reply_encode(
     canwright_frame_t *frame, uint32_t node, const mwd_motor_v2_35_clear_errors_reply_t *message)
 {
     mwd_motor_v2_35_field_t refused;
     canwright_status_t status;
-    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, 0x9Au) != CANWRIGHT_OK) {
+    const uint32_t code = message->frame_code != 0u ? (uint32_t)message->frame_code : 0x9Au;
+    if ((code != 0x9Au) && (code != 0x9Bu)) {
+        return CANWRIGHT_UNKNOWN_CODE;
+    }
+    if (mwd_motor_v2_35_motor_reply_stamp(frame, node, 8u, code) != CANWRIGHT_OK) {
         return CANWRIGHT_UNKNOWN_NODE;
     }
     status = mwd_motor_v2_35_status_1_check(&refused, message);
@@ -3517,6 +3524,7 @@ static inline canwright_status_t mwd_motor_v2_35_clear_errors_reply_decode(
     if (status != CANWRIGHT_OK) {
         return status;
     }
+    message->frame_code = (uint8_t)frame->data[0];
     mwd_motor_v2_35_status_1_unpack(message, frame);
     return CANWRIGHT_OK;
 }
@@ -4371,8 +4379,13 @@ static inline canwright_status_t mwd_motor_v2_35_decode_reply(
             mwd_motor_v2_35_read_single_turn_angle_reply_unpack(&reply->as.read_single_turn_angle, frame);
             return CANWRIGHT_OK;
         case 0x9Au:
+            reply->command = MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1;
+            reply->as.read_status_1.frame_code = 0u;
+            mwd_motor_v2_35_status_1_unpack(&reply->as.read_status_1, frame);
+            return CANWRIGHT_OK;
         case 0x9Bu:
-            reply->command = (mwd_motor_v2_35_command_t)frame->data[0];
+            reply->command = MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS;
+            reply->as.read_status_1.frame_code = (uint8_t)frame->data[0];
             mwd_motor_v2_35_status_1_unpack(&reply->as.read_status_1, frame);
             return CANWRIGHT_OK;
         case 0x9Du:

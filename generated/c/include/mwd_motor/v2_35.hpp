@@ -1296,6 +1296,8 @@ struct status_1 : ::canwright::message {
     ::canwright::raw<::std::uint16_t> voltage{};
     /** Errors, DATA[7]. Raw integer, type error_flags: ERROR_FLAGS_*. In the manual: errorState. */
     ::canwright::raw<::std::uint8_t> errors{};
+    /** The code, as it came or as it is to be sent; 0 is the usual one. reply of clear_errors: 0x9A or 0x9B. */
+    ::canwright::raw<::std::uint8_t> frame_code{};
 };
 
 constexpr ::canwright::access<type::temperature, &status_1::temperature, 0u, ::canwright::always> canwright_access(
@@ -1321,6 +1323,7 @@ static inline void from_c(status_1 &to, const ::mwd_motor_v2_35_status_1_t &from
     to.temperature = from.temperature;
     to.voltage = from.voltage;
     to.errors = from.errors;
+    to.frame_code = from.frame_code;
 }
 
 static inline void to_c(::mwd_motor_v2_35_status_1_t &to, const status_1 &from) noexcept
@@ -1328,6 +1331,7 @@ static inline void to_c(::mwd_motor_v2_35_status_1_t &to, const status_1 &from) 
     to.temperature = from.temperature;
     to.voltage = from.voltage;
     to.errors = from.errors;
+    to.frame_code = from.frame_code;
 }
 
 constexpr bool same(const status_1 &one, const status_1 &other) noexcept
@@ -1341,7 +1345,7 @@ constexpr bool same(const status_1 &one, const status_1 &other) noexcept
     if (one.errors != other.errors) {
         return false;
     }
-    return true;
+    return one.frame_code == other.frame_code;
 }
 
 /** The fields of ::mwd_motor_v2_35_set_power_request_t. */

@@ -184,7 +184,8 @@ CANWRIGHT_NONNULL
 static inline bool mwd_motor_v2_35_status_1_matches(
     const mwd_motor_v2_35_status_1_t *one, const mwd_motor_v2_35_status_1_t *other)
 {
-    return one->temperature == other->temperature && one->voltage == other->voltage && one->errors == other->errors;
+    return one->temperature == other->temperature && one->voltage == other->voltage && one->errors == other->errors
+        && one->frame_code == other->frame_code;
 }
 
 /** True for messages with equal fields. */
@@ -473,22 +474,24 @@ static inline void mwd_motor_v2_35_selftest_message(
         {18000u},
     };
     static const mwd_motor_v2_35_status_1_t raws_status_1[] CANWRIGHT_FLASH = {
-        {25, 240u, 1u},
-        {25, 240u, 0u},
-        {-128, 0u, 8u},
-        {127, 65535u, 9u},
-        {-1, 1u, 0u},
-        {0, 258u, 0u},
-        {1, 481u, 8u},
-        {30, 240u, 6u},
-        {30, 240u, 255u},
-        {25, 240u, 8u},
-        {-40, 772u, 9u},
-        {0, 65535u, 1u},
-        {1, 240u, 2u},
-        {1, 240u, 4u},
-        {1, 240u, 128u},
-        {1, 240u, 255u},
+        {25, 240u, 1u, 0u},
+        {25, 240u, 0u, 0u},
+        {-128, 0u, 8u, 0u},
+        {127, 65535u, 9u, 0u},
+        {-1, 1u, 0u, 0u},
+        {0, 258u, 0u, 0u},
+        {1, 481u, 8u, 0u},
+        {30, 240u, 6u, 0u},
+        {30, 240u, 255u, 0u},
+        {25, 240u, 8u, 0u},
+        {25, 240u, 0u, 0x9Au},
+        {-40, 772u, 9u, 0x9Au},
+        {0, 65535u, 1u, 0x9Au},
+        {25, 240u, 0u, 0x9Bu},
+        {1, 240u, 2u, 0u},
+        {1, 240u, 4u, 0u},
+        {1, 240u, 128u, 0u},
+        {1, 240u, 255u, 0u},
     };
     static const mwd_motor_v2_35_read_status_3_reply_t raws_read_status_3_reply[] CANWRIGHT_FLASH = {
         {25, 64, -64, 0},
@@ -2308,17 +2311,17 @@ static inline uint16_t mwd_motor_v2_35_selftest(canwright_selftest_t *result)
         {{0x141u, {0x9Bu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 48u, 0u, 0u, 8u,
             CANWRIGHT_GOLDEN_UNIQUE},
         /* 300: reply of clear_errors */
-        {{0x141u, {0x9Au, 0x19u, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 49u, 1u, 0u, 8u,
+        {{0x141u, {0x9Au, 0x19u, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 49u, 10u, 0u, 8u,
             CANWRIGHT_GOLDEN_ENCODED},
         /* 301: reply of clear_errors */
-        {{0x141u, {0x9Au, 0xD8u, 0x00u, 0x04u, 0x03u, 0x00u, 0x00u, 0x09u}}, 1u, 49u, 10u, 0u, 8u,
+        {{0x141u, {0x9Au, 0xD8u, 0x00u, 0x04u, 0x03u, 0x00u, 0x00u, 0x09u}}, 1u, 49u, 11u, 0u, 8u,
             CANWRIGHT_GOLDEN_ENCODED},
         /* 302: reply of clear_errors */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u}}, 1u, 49u, 11u, 0u, 8u,
+        {{0x141u, {0x9Au, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u}}, 1u, 49u, 12u, 0u, 8u,
             CANWRIGHT_GOLDEN_ENCODED},
         /* 303: reply of clear_errors */
-        {{0x141u, {0x9Bu, 0x19u, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 49u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x9Bu, 0x19u, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 49u, 13u, 0u, 8u,
+            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
         /* 304: request of read_status_2 */
         {{0x141u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 50u, 0u, 0u, 8u,
             CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
@@ -2592,13 +2595,13 @@ static inline uint16_t mwd_motor_v2_35_selftest(canwright_selftest_t *result)
         /* 425: reply of set_speed: missing_parameter */
         {1u, 11u, 28u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_MISSING_PARAMETER},
         /* 426: reply of read_status_1: out_of_range */
-        {1u, 47u, 12u, MWD_MOTOR_V2_35_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
-        /* 427: reply of read_status_1: out_of_range */
-        {1u, 47u, 13u, MWD_MOTOR_V2_35_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
-        /* 428: reply of read_status_1: out_of_range */
         {1u, 47u, 14u, MWD_MOTOR_V2_35_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
-        /* 429: reply of read_status_1: out_of_range */
+        /* 427: reply of read_status_1: out_of_range */
         {1u, 47u, 15u, MWD_MOTOR_V2_35_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        /* 428: reply of read_status_1: out_of_range */
+        {1u, 47u, 16u, MWD_MOTOR_V2_35_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        /* 429: reply of read_status_1: out_of_range */
+        {1u, 47u, 17u, MWD_MOTOR_V2_35_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
         /* 430: reply of read_multi_turn_angle: out_of_range */
         {1u, 41u, 13u, MWD_MOTOR_V2_35_FIELD_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
         /* 431: reply of read_multi_turn_angle: out_of_range */

@@ -15,6 +15,7 @@ from ...semantics.plan import value_fields
 from . import messages as c
 from .conversions import ConversionView
 from .examples import ExchangeView
+from .layouts import MemberView
 from .names import RESERVED, layouts, member
 from .types import TypeView
 from .view import DirectionView, EditionView
@@ -133,6 +134,7 @@ class LayoutView(NamedTuple):
     name: str
     struct: str
     fields: tuple[FieldView, ...]
+    code: MemberView | None
 
 
 class MessageView(NamedTuple):
@@ -199,7 +201,7 @@ class CxxView:
         self.tags = _enumerators(view.fields)
         self._tags = dict(zip((name for _, name in view.fields), self.tags, strict=True))
         fields = {layout: list(value_fields(layout.fields).values()) for layout in layouts(edition)}
-        self._fields = {layout: own for layout, own in fields.items() if own}
+        self._fields = {layout: own for layout, own in fields.items() if own or self._code(layout)}
         self._layouts = dict(zip(self._fields, _distinct(layout.name for layout in self._fields), strict=True))
         types = {f.type.name: f.type for own in self._fields.values() for f in own}.values()
         names = _distinct(map(self._stem, types), TYPE_NAMES)
@@ -218,7 +220,7 @@ class CxxView:
             for p in edition.parameters
         ]
         self.layouts = [
-            LayoutView(name, self._names.lower(layout.name, "t"), tuple(self._layout(layout)))
+            LayoutView(name, self._names.lower(layout.name, "t"), tuple(self._layout(layout)), self._code(layout))
             for layout, name in self._layouts.items()
         ]
         self.messages = [self._message(m) for m in messages]
@@ -266,9 +268,14 @@ class CxxView:
         names = tuple(self._names.upper(parameter, value) for value in values)
         return Presence(name, member(parameter), self._names.upper(parameter, "unknown"), names)
 
+    def _code(self, layout: Layout) -> MemberView | None:
+        """The member with the code; None if there is none."""
+        code = self._view.message(self._edition.of_layout(layout)[0]).layout.code
+        return code.member if code else None
+
     def _layout(self, layout: Layout) -> Iterator[FieldView]:
         views = self._view.message(self._edition.of_layout(layout)[0]).layout.members
-        for field, view in zip(self._fields[layout], views, strict=True):
+        for field, view in zip(self._fields[layout], views, strict=False):  # the code may follow
             name, key = member(field.name), (layout.parameter or "", *field.only)
             yield FieldView(
                 tag=self._tags[field.name],

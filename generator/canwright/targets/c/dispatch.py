@@ -44,13 +44,15 @@ class MatchView(NamedTuple):
     """A command, or a run of commands that differ only in the number, which the expression `command` reads.
 
     `node` is the node in a field, where the messages of a route differ in it; `other_constant` is the condition for a
-    frame with other constants, `wrong_checksum` for one with another checksum. They are empty otherwise.
+    frame with other constants, `wrong_checksum` for one with another checksum, `code` the value of the member with the
+    code. They are empty otherwise.
     """
 
     command: str
     node: str
     other_constant: str
     wrong_checksum: str
+    code: str
     unpack: ContentsView | None
 
 
@@ -95,7 +97,10 @@ class RouteView:
         view = self._views.message(message)
         node = view.node_in_data if self._has_nodes else ""
         command = command or self._names.command(message.command)
-        return MatchView(command, node, view.other_constant, view.wrong_checksum, self._unpack.get(message.layout))
+        unpack = self._unpack.get(message.layout)
+        return MatchView(
+            command, node, view.other_constant, view.wrong_checksum, view.code_read if unpack else "", unpack
+        )
 
     def guard(self, node: dispatch.Select) -> str:
         """The condition for a frame that is rejected, if a decision has a single case beside; else empty."""
@@ -226,7 +231,7 @@ def _answering_codes(
     request: Message, reply: Message, codes: tuple[tuple[str, ...], ...]
 ) -> tuple[tuple[str, ...], ...]:
     """The codes of a reply; if the request has the same, the expressions that read them, equal for all commands."""
-    if request.keys == reply.keys and not reply.accepted_codes:
+    if request.keys == reply.keys and not (request.accepted_codes or reply.accepted_codes):
         return (tuple(operand(bits.key_value(key, "request")) for key in request.keys),)
     return codes
 

@@ -11,12 +11,13 @@ from ...model.edition import Edition
 from ...model.formatting import english
 from ...model.golden_frames import RawValue
 from ...model.layout import CounterRole, Field, Layout, ParameterRole, Variant
+from ...model.message import Message
 from ...model.types import Encoding
 from ...semantics.plan import CheckConstant, CheckField, DecodingStep, EncodingStep, ReadField, message_plan
 from . import bits
 from .checksums import checksum_view
 from .choices import Branch, Whole, parameter_access, whole
-from .expressions import integer, joined, raw_of, stored_literal
+from .expressions import Integer, integer, joined, operand, raw_of, stored_literal, working
 from .names import Names, member
 from .text import errata, field_facts, literal, with_deprecation
 from .types import TypeView
@@ -106,8 +107,13 @@ class LayoutView:
         self.name = names.lower(layout.name)
         self.title = english(layout.title) + (f" ({layout.manual})" if layout.manual else "")
         self.doc = [text for text in (english(layout.about), *facts) if text]
+        self.code = code_member(messages)
+        """The member with the code; None unless a message of the layout can have several."""
         self.members = [_member(names, edition, layout, f, types) for f in stored]
-        self.places = list(_places(stored))
+        self.members += [self.code.member] if self.code else []
+        self.has_values = bool(stored)
+        """True if there are members besides the code."""
+        self.places = list(_places(stored, self.code))
         self.has_fields = bool(layout.fields)
         self.chooses = layout.parameter is not None
         """True if a parameter decides which fields exist."""
@@ -132,7 +138,7 @@ class LayoutView:
 
     @property
     def has_check(self) -> bool:
-        return bool(self.members) and (bool(self.check.steps) or self.chooses)
+        return self.has_values and (bool(self.check.steps) or self.chooses)
 
     @property
     def check_parameters(self) -> bool:
@@ -146,6 +152,77 @@ class LayoutView:
     def takes_parameters(self) -> bool:
         """True if checking and packing a message needs the parameters."""
         return self.depends or self.check_parameters
+
+
+class CodeMember(NamedTuple):
+    """The member with the code of a message that can have several: 0 for the usual one.
+
+    A code of 0 that is not the usual one is the bit above the largest code.
+    """
+
+    member: MemberView
+    kind: Integer
+
+    def stored(self, message: Message, code: int | None) -> str:
+        """The literal of the member for a code of a message; None is the usual one."""
+        number = 1 << message.keys[0].width if code == 0 and message.keys[0].value else code or 0
+        return f"0x{number:02X}u" if number else "0u"
+
+    def choice(self, message: Message) -> CodeChoice | None:
+        """How a message uses it; None if it has one code at most."""
+        codes = message_plan(message).codes
+        if not codes:
+            return None
+        key, number = message.keys[0], working(message.keys[0].width + 1)
+        read, zero = operand(bits.key_value(key)), 1 << key.width
+        given = "UINT64_C(0x{:X})".format if number.width > 32 else "0x{:02X}u".format
+        further = [given(code or zero) for code in codes[1:]]
+        can_be_0 = 0 in codes[1:]
+        return CodeChoice(
+            read=f"({self.kind.name})({read} | ({read} == 0u ? {given(zero)} : 0u))"
+            if can_be_0
+            else f"({self.kind.name}){read}",
+            kind=number.name,
+            value=f"message->{FRAME_CODE} != 0u ? ({number.name})message->{FRAME_CODE} : {given(codes[0])}",
+            refused=joined("&&", [f"code != {literal}" for literal in (given(codes[0]), *further)]),
+            sent=f"({working(key.width).name})(code & {given(zero - 1)})" if can_be_0 else "code",
+        )
+
+
+class CodeChoice(NamedTuple):
+    """The expression that reads the member from a frame; of a variable `code`, its type, its value, the condition under
+    which it is refused, and the expression of the code that is sent."""
+
+    read: str
+    kind: str
+    value: str
+    refused: str
+    sent: str
+
+
+FRAME_CODE = "frame_code"
+"""The name of the member with the code, which no field has."""
+
+
+def code_member(messages: Iterable[Message]) -> CodeMember | None:
+    """The member with the code of messages of one layout; None if each has one code at most."""
+    several = {message: message_plan(message).codes for message in messages if message_plan(message).codes}
+    if not several:
+        return None
+    needed = max(message.keys[0].width + (0 in codes[1:]) for message, codes in several.items())
+    kind = Integer(next(width for width in (8, 16, 32, 64) if width >= needed), signed=False)
+    facts = [
+        f"{m.direction.value} of {m.command}: {' or '.join(_code_text(m, c) for c in codes)}"
+        for m, codes in several.items()
+    ]
+    doc = f"The code, as it came or as it is to be sent; 0 is the usual one. {'; '.join(facts)}."
+    return CodeMember(MemberView(kind.name, FRAME_CODE, doc), kind)
+
+
+def _code_text(message: Message, code: int) -> str:
+    """A code; with the number that stands for it, if that differs."""
+    is_other_0 = code == 0 and message.keys[0].value != 0
+    return f"0x{code:02X} (as 0x{1 << message.keys[0].width:X})" if is_other_0 else f"0x{code:02X}"
 
 
 class ParametricConstant(NamedTuple):
@@ -177,14 +254,13 @@ def numbers(field: Field) -> list[str]:
     return [f"{name}[{number}]" for number in range(len(field.elements))] if field.is_array else [name]
 
 
-def _places(fields: Iterable[Field]) -> Iterator[Place]:
+def _places(fields: Iterable[Field], code: CodeMember | None) -> Iterator[Place]:
     end = packed = 0
-    for field in fields:
-        size = integer(field.type).width // 8
-        for number in numbers(field):
-            start = -(-end // size) * size
-            end, packed = start + size, packed - size
-            yield Place(raw_of(field.type, number), frozenset((*range(start, end), *range(packed, packed + size))))
+    stored = [(raw_of(f.type, number), integer(f.type).width // 8) for f in fields for number in numbers(f)]
+    for name, size in (*stored, *([(FRAME_CODE, code.kind.width // 8)] if code else [])):
+        start = -(-end // size) * size
+        end, packed = start + size, packed - size
+        yield Place(name, frozenset((*range(start, end), *range(packed, packed + size))))
 
 
 def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:

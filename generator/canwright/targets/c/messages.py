@@ -23,7 +23,7 @@ from ...semantics.plan import CheckConstant, message_plan
 from . import bits
 from .choices import lacks, whole
 from .expressions import call, joined, operand, working
-from .layouts import LayoutView
+from .layouts import CodeChoice, LayoutView
 from .names import Names, Pattern, address_mask, named_patterns, pattern_of
 from .text import MacroView, with_deprecation
 
@@ -222,6 +222,13 @@ class MessageView:
     deprecated: str
     confused: str
     lacking: str
+    choice: CodeChoice | None
+    """How it uses the member with the code; None if it has one code at most."""
+
+    @property
+    def code_read(self) -> str:
+        """The value of the member with the code of a decoded message; empty if its struct has none."""
+        return self.choice.read if self.choice else "0u" if self.layout.code else ""
 
     @property
     def has_node(self) -> bool:
@@ -245,7 +252,8 @@ class MessageView:
     @property
     def stamp(self) -> str:
         """The call that writes id, length and code of a frame."""
-        return self.pattern.rule.call(f"{self.pattern.name}_stamp", "frame", self._node, f"{self.dlc}u", *self.codes[0])
+        codes = self.codes[0] if self.choice is None else (self.choice.sent, *self.codes[0][1:])
+        return self.pattern.rule.call(f"{self.pattern.name}_stamp", "frame", self._node, f"{self.dlc}u", *codes)
 
     @property
     def matches(self) -> list[str]:
@@ -336,6 +344,7 @@ class Messages:
             deprecated=with_deprecation("", command.deprecated),
             confused=bits.is_confused(message.confusions),
             lacking=joined("||", lacking) if lacking else "",
+            choice=layout.code.choice(message) if layout.code else None,
         )
 
     def _pattern(self, pattern: Pattern, name: tuple[str, ...], message: Message) -> PatternView:

@@ -95,7 +95,7 @@ LOWER_CASE_MACROS = (
 """Macros of the standard library, of compilers, of Windows, and of Qt."""
 TYPES_OF_MEMBERS = "int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t"
 """C++ forbids a member with the name of a type that the same struct uses."""
-RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS} {TYPES_OF_MEMBERS}".split())
+RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS} {TYPES_OF_MEMBERS} frame_code".split())
 
 TYPE_ENDINGS = (
     *("_valid", "_name", "_first_flag", "_write", "_no_value", "_has_value"),

@@ -13,12 +13,12 @@ from ...model.layout import Field, Layout
 from ...model.message import Direction, Message
 from ...model.refusal import Refusal
 from ...semantics.decoder import Decoder, Identified
-from ...semantics.frame import CanFrame, node_of
+from ...semantics.frame import CanFrame, code_of, node_of
 from ...semantics.plan import value_fields
 from ..base import EditionInput
 from .choices import parameter_literal
 from .expressions import integer, raw_of
-from .layouts import initializer, literals, numbers
+from .layouts import FRAME_CODE, code_member, initializer, literals, numbers
 from .messages import MessageView
 from .view import EditionView
 
@@ -114,7 +114,7 @@ class SelfTest:
             self._stored(frame),
             f"{_node(message, frame)}u",
             f"{_index(self._messages, message)}u",
-            f"{self._raw_index(message, frame.raw)}u",
+            f"{self._raw_index(message, frame.raw, code_of(message, _can(frame)))}u",
             f"{self._parameters(frame.parameters)}u",
             f"{len(frame.data)}u",
             " | ".join(flags) or "0u",
@@ -139,7 +139,7 @@ class SelfTest:
                     text = _braces(
                         f"{entry.node or 0}u",
                         f"{_index(self._messages, message)}u",
-                        f"{self._raw_index(message, entry.raw)}u",
+                        f"{self._raw_index(message, entry.raw, None)}u",
                         self._names.upper("field", entry.field_name or "none"),
                         f"{self._parameters(entry.parameters)}u",
                         f"CANWRIGHT_{entry.says.name}",
@@ -168,12 +168,13 @@ class SelfTest:
             raise ValueError(f"{command} has no {direction.value}")
         return message
 
-    def _raw_index(self, message: Message, raws: Raws) -> int:
-        """The index of raw integers in the table of the layout; 0 without fields."""
-        fields = value_fields(message.layout.fields)
-        if not fields:
+    def _raw_index(self, message: Message, raws: Raws, code: int | None) -> int:
+        """The index of raw integers, and of a code, in the table of the layout; 0 without members."""
+        fields, member = value_fields(message.layout.fields), self._view.message(message).layout.code
+        if not fields and member is None:
             return 0
-        texts = (initializer(f, literals(f, raws.get(name, 0)).values()) for name, f in fields.items())
+        texts = [initializer(f, literals(f, raws.get(name, 0)).values()) for name, f in fields.items()]
+        texts += [member.stored(message, code)] if member else []
         return _index(self._raws.setdefault(message.layout, {}), _braces(*texts))
 
     def _parameters(self, known: Known) -> int:
@@ -184,6 +185,7 @@ class SelfTest:
     def _layout(self, layout: Layout, entries: Mapping[str, int]) -> LayoutTable:
         fields = value_fields(layout.fields).values()
         raws = [raw_of(field.type, number) for field in fields for number in numbers(field)]
+        raws += [FRAME_CODE] if code_member(self._edition.of_layout(layout)) else []
         same = (f"one->{raw} == other->{raw}" for raw in raws)
         return LayoutTable(self._names.lower(layout.name), _table(layout), tuple(same), tuple(entries))
 

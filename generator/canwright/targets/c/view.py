@@ -64,7 +64,7 @@ class DirectionView:
     @cached_property
     def cleared(self) -> list[str]:
         """Fields of the union that cover all its bytes that some commands do not write: few and large ones, in their order."""
-        written = {content: _all_bytes(content.layout) for content in self.shown}
+        written = {content: _all_bytes(content.layout) for content in self.contents if content.layout.members}
         everywhere = [*written.values(), *([frozenset[int]()] if self.without_fields else [])]
         missing = frozenset[int]().union(*everywhere).difference(frozenset.intersection(*everywhere))
         fields = {place.bytes: f"{some.member}.{place.name}" for some in written for place in some.layout.places}
@@ -108,7 +108,7 @@ class DirectionView:
     @cached_property
     def shown(self) -> list[ContentsView]:
         """The contents that have something to print."""
-        return [content for content in self.contents if content.layout.members]
+        return [content for content in self.contents if content.layout.has_values]
 
     @cached_property
     def has_nodes(self) -> bool:

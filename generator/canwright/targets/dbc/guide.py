@@ -12,6 +12,7 @@ from ...model.golden_frames import GoldenFrame
 from ...model.message import Direction
 from ...model.types import Assignment, Parameter, number_of
 from ..base import EditionInput, header
+from ..examples import is_usual
 from .comments import ENGLISH, languages
 from .frames import Part, frames, obstacle, unlisted_nodes
 from .signals import prefix
@@ -182,7 +183,7 @@ def _examples(specification: EditionInput, files: Sequence[File], direction: Dir
         for file, known_there, by_id in whole:
             view = by_id.get(frame.id) if known_there == known else None
             example = _example(specification.edition, file, view, frame) if view else None
-            if example and not frame.decode_only:
+            if example and is_usual(specification.edition.command(frame.command).message(direction), frame):
                 yield example
 
 

@@ -10,6 +10,7 @@ from ...model.joined import JoinedText
 from ...model.layout import ChecksumRole, ConstantRole, CounterRole, Field, FixedRole, Layout, ParameterRole, Variant
 from ...model.message import Message
 from ...model.types import Parameter
+from ...semantics.plan import message_plan
 from . import bits, code, docstrings, text, types
 from .checksums import Checksums
 from .imports import Imports
@@ -187,6 +188,10 @@ class BodyView:
     """Whether only some nodes have the command of one of the messages."""
     is_confusable: bool
     """Whether some values of one of the messages are refused, because its frame would be another message."""
+    code: str
+    """The code that is sent unless another is given; empty if there is one at most."""
+    code_read: str
+    """The expression of the code of received data."""
     checked_when_decoded: str
     """The expression that is true if every decoded message can be encoded again."""
 
@@ -216,7 +221,7 @@ class ClassBodies:
         is_confusable = any(message.confusions for message in messages)
         layout, dlc = message.layout, message.dlc
         is_always_valid = not is_confusable and all(field_.type.accepts_every_raw for field_ in storage(layout))
-        stored = storage(layout)
+        stored, codes = storage(layout), message_plan(message).codes if len(messages) == 1 else ()
         varies, depends = len(layout.variants) > 1, [text.literal(text.attribute(n)) for n in parameters_of(message)]
         fields = tuple(
             field_view(
@@ -261,6 +266,8 @@ class ClassBodies:
             depends=code.tuple_of(depends, "DEPENDS = ") if depends else None,
             has_only=has_only,
             is_confusable=is_confusable,
+            code=f"0x{codes[0]:02X}" if codes else "",
+            code_read=bits.read_key(message.keys[0], dlc) if codes else "",
             checked_when_decoded="not cls.ONLY" if has_only and is_always_valid else str(is_always_valid),
         )
 

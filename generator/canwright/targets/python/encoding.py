@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...model.layout import Space, Variant
-from ...model.message import Message
+from ...model.message import Key, Message
 from ...model.types import Order
 from ...semantics.bits import placed
 from ...semantics.plan import message_plan
@@ -25,7 +25,7 @@ class EncodeView:
 
 
 def encode_view(message: Message, bodies: ClassBodies, selector: str = "") -> EncodeView:
-    """How a message writes its bytes; `selector` is the expression of the selector's value, if it is not constant."""
+    """How a message writes its bytes; `selector` is the expression of its code, if that is not constant."""
     layout = message.layout
     cases = tuple(tuple(_case(message, variant, bodies, selector)) for variant in layout.variants)
     return EncodeView(
@@ -37,7 +37,8 @@ def _case(message: Message, variant: Variant, bodies: ClassBodies, selector: str
     """One `pack`, or else an integer of each byte order; then the checksum."""
     has_checksum = message_plan(message).checksum is not None
     result = "data = " if has_checksum else "return "
-    keys = [bits.key_place(k)._replace(target=selector or f"0x{k.value:02X}") for k in message.keys]
+    keys = [bits.key_place(k)._replace(target=f"0x{k.value:02X}") for k in message.keys]
+    keys[:1] = [key._replace(target=selector or key.target) for key in keys[:1]]
     fields = positions(variant.fields, storage(message.layout), bodies.imports)
     in_data = [p for p in (*keys, *(p for _, p in fields)) if p.space is Space.DATA]
     ordered = sorted(in_data, key=lambda p: p.first_byte)
@@ -70,23 +71,25 @@ def _integers(in_data: Sequence[bits.RawPosition], dlc: int, imports: Imports, r
 
 def constant_data(message: Message) -> str:
     """The expression of the data bytes of a message without fields."""
-    data = _placed_keys(message, Space.DATA).to_bytes(message.dlc, "little")
+    data = _placed_keys(message.keys, Space.DATA).to_bytes(message.dlc, "little")
     return f'bytes.fromhex("{data.hex(" ").upper()}")'
 
 
 def fixed_id(message: Message) -> int:
-    """The CAN id without the node and the fields."""
-    return message.id.base + _placed_keys(message, Space.ID)
+    """The CAN id without the node, the fields, and a code that can be another one."""
+    return message.id.base + _placed_keys(message.keys[bool(message_plan(message).codes) :], Space.ID)
 
 
-def _placed_keys(message: Message, space: Space) -> int:
-    return sum(placed(key.segments, key.value) for key in message.keys if key.space is space)
+def _placed_keys(keys: Sequence[Key], space: Space) -> int:
+    return sum(placed(key.segments, key.value) for key in keys if key.space is space)
 
 
 def id_terms(message: Message, imports: Imports) -> code.Code | None:
-    """The assignment of the bits of the CAN id that fields fill; None for a message without fields in its id."""
-    fields = positions(message.layout.fields, storage(message.layout), imports)
-    in_id = [term for _, p in fields if p.space is Space.ID for term in bits.terms(p, message.dlc)]
+    """The assignment of the bits of the CAN id that fields, or one of several codes, fill; None without any in the id."""
+    filling = [p for _, p in positions(message.layout.fields, storage(message.layout), imports)]
+    if message_plan(message).codes:
+        filling.append(bits.key_place(message.keys[0])._replace(target="self._code"))
+    in_id = [term for p in filling if p.space is Space.ID for term in bits.terms(p, message.dlc)]
     return code.any_of("filled", in_id) if in_id else None
 
 

@@ -11,6 +11,7 @@ from ...model.edition import Edition
 from ...model.layout import NodeRole, Space
 from ...model.message import Command, Direction, Message
 from ...model.types import Parameter
+from ...semantics.plan import message_plan
 from . import client_facts, code, docstrings, encoding, text, types
 from .class_bodies import BodyView, ClassBodies, storage
 from .encoding import EncodeView
@@ -29,7 +30,7 @@ class LayoutView:
 
 @dataclass(frozen=True, kw_only=True)
 class MessageView:
-    """The class of a message; `body` is None when a base class has its fields."""
+    """The class of a message; `body` is None when a base class has its fields, and no code has to be stored."""
 
     message: Message
     name: str
@@ -45,6 +46,8 @@ class MessageView:
     """Expression of the bytes of a frame without fields; empty for one with fields."""
     id_terms: code.Code | None
     """The assignment of the bits that fields fill in the id; None without any."""
+    codes: code.Code | None
+    """The assignment of the codes that it can have; None if it has one at most."""
     encode: EncodeView | None
     confusions: tuple[encoding.ConfusionView, ...]
     sent: code.Code
@@ -70,8 +73,8 @@ def _shared(messages: Iterable[Message]) -> dict[Group, list[Message]]:
 
 
 def _has_body(message: Message) -> bool:
-    """Whether the class has a constructor of its own: for fields, or for a parameter in the id."""
-    return bool(message.layout.fields) or message.id.parameter is not None
+    """Whether the class has a constructor of its own: for fields, for a parameter in the id, or for several codes."""
+    return bool(message.layout.fields or message_plan(message).codes) or message.id.parameter is not None
 
 
 def base_classes(edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
@@ -127,6 +130,7 @@ class MessageViews:
 
     def _message(self, command: Command, message: Message) -> MessageView:
         group, name, has_body = _group(message), text.class_name(message.name), _has_body(message)
+        codes = message_plan(message).codes
         is_request = message.direction is Direction.REQUEST
         has_metadata = is_request or command.request is None
         occasions = message.sending.occasions if message.sending else ()
@@ -136,11 +140,16 @@ class MessageViews:
             header=code.call(f"class {name}", self._base_classes(command, message)),
             doc=docstrings.of_message(command, message),
             node_place=_place(message) if message.node_in_data else None,
-            body=self._bodies.body([message], command.from_each) if has_body and group not in self._bases else None,
+            body=self._bodies.body([message], command.from_each)
+            if has_body and (codes or group not in self._bases)
+            else None,
             id=encoding.fixed_id(message),
             data="" if has_body else encoding.constant_data(message),
             id_terms=encoding.id_terms(message, self._bodies.imports),
-            encode=self._encode(message) if has_body and group not in self._encoding_bases else None,
+            codes=code.tuple_of((f"0x{value:02X}" for value in codes), "CODES = ") if codes else None,
+            encode=self._encode(message, "self._code" if codes else "")
+            if has_body and (codes or group not in self._encoding_bases)
+            else None,
             confusions=tuple(encoding.confusion_views(message)),
             sent=code.tuple_of((text.literal(o.value) for o in occasions), "SENT = "),
             metadata=(

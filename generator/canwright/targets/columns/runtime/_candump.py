@@ -36,7 +36,7 @@ class RecordedFrame(NamedTuple):
 
 
 SHORT = re.compile(
-    r"(?:\((?P<time>[\d.]+)\)\s+)?(?:(?P<bus>\S+)\s+)?(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(?P<fd>#[0-9A-Fa-f])?"
+    r"(?:\((?P<time>-?[\d.]+)\)\s+)?(?:(?P<bus>\S+)\s+)?(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(?P<fd>#[0-9A-Fa-f])?"
     r"(?P<data>[Rr]\d?|(?:[0-9A-Fa-f]{2}\.?)*)(?:_[0-9A-Fa-f])?(?:\s+(?P<mark>[RT]))?(?:\s+[B-]\s*[E-]?)?"
 )
 """A line of a log or of cansend, without white space at its ends."""
@@ -49,6 +49,8 @@ _LONG = re.compile(
 _XL = re.compile(r"(?:\S+\s+)*?[0-9A-Fa-f]+#[0-9A-Fa-f]{2}:[0-9A-Fa-f]{2}:.*")
 _COLOUR = re.compile(r"\x1b\[[\d;]*m")
 _COMMENTS = ("#", ";", "//")
+MAX_ID = {False: 0x7FF, True: 0x1FFFFFFF}
+"""The greatest id, by whether it is one of 29 bits."""
 _ERROR_BIT = 0x20000000
 """Set in the id of an error that the controller reports, which is not a frame."""
 _MAX_DATA_BYTES = 64
@@ -71,13 +73,14 @@ def read_line(line: str) -> RecordedFrame | SkippedPart:
     id_, data, remote = int(match["id"], 16), b"", match["data"].startswith(("R", "r"))
     if not remote:
         data = bytes.fromhex(match["data"].replace(".", " "))
-    if id_ & _ERROR_BIT:
+    extended = len(match["id"]) == 8
+    if extended and _ERROR_BIT <= id_ < 2 * _ERROR_BIT:
         return SkippedPart.ERROR
     if len(data) > _MAX_DATA_BYTES:
         return SkippedPart.XL
-    if _is_cut_off(match, data, remote, line):
+    if id_ > MAX_ID[extended] or _is_cut_off(match, data, remote, line):
         return SkippedPart.MALFORMED if line.endswith("\n") else SkippedPart.TRUNCATED
-    extended, is_sent = len(match["id"]) == 8, _IS_SENT[match["mark"]]
+    is_sent = _IS_SENT[match["mark"]]
     return RecordedFrame(_nanoseconds(match["time"]), match["bus"] or "", id_, data, extended, remote, is_sent)
 
 
@@ -101,13 +104,15 @@ def _nanoseconds(written: str | None) -> int | None:
     """A time stamp in nanoseconds; a date is read as UTC. None without one, or with one of no known form."""
     if written is None:
         return None
-    seconds, _, fraction = written.rpartition(".")
+    sign = -1 if written.startswith("-") else 1
+    seconds, _, fraction = written.removeprefix("-").rpartition(".")
     if fraction.isdigit() and seconds.isdigit():
         if int(seconds) > MAX_SECONDS:
             return None
-        return int(seconds) * 1_000_000_000 + int(fraction[:9].ljust(9, "0"))
+        return sign * (int(seconds) * 1_000_000_000 + int(fraction[:9].ljust(9, "0")))
     try:
-        date = datetime.strptime(written, "%Y-%m-%d %H:%M:%S.%f").replace(tzinfo=timezone.utc)
+        date = datetime.strptime(seconds, "%Y-%m-%d %H:%M:%S").replace(tzinfo=timezone.utc)
     except ValueError:
         return None
-    return int(date.timestamp()) * 1_000_000_000 + date.microsecond * 1_000
+    is_known = fraction.isdigit() and 0 <= date.timestamp() <= MAX_SECONDS
+    return int(date.timestamp()) * 1_000_000_000 + int(fraction[:9].ljust(9, "0")) if is_known else None

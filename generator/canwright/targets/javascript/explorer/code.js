@@ -15,6 +15,11 @@ canwright.code = (() => {
     return object && Object.hasOwn(object, name) ? object[name] : undefined;
   }
 
+  /** The code of a message as a number in C and Python; null if it need not be given. */
+  function givenCode({ keys: [key] }, { code }) {
+    return code === undefined || code === key.values[0] ? null : `0x${code.toString(16).toUpperCase()}`;
+  }
+
   function cInteger(raw, { width, encoding }) {
     if (width <= 32 && encoding === "signed") {
       return BigInt(raw) === -(2n ** 31n) ? "(-2147483647 - 1)" : String(raw);
@@ -43,6 +48,10 @@ canwright.code = (() => {
       const raws = Array.isArray(field.raw) ? `{${field.raw.map((raw) => cInteger(raw, types.get(field.name))).join(", ")}}` : null;
       return `.${own(names.fields, field.name) ?? field.name} = ${raws ?? cInteger(field.raw, types.get(field.name))}`;
     });
+    const code = givenCode(message, decoded);
+    if (code !== null) {
+      fields.push(`.frame_code = ${code}u`);
+    }
     if (fields.length) {
       lines.push(`const ${name}_t message = {${fields.join(", ")}};`);
     }
@@ -65,6 +74,10 @@ canwright.code = (() => {
     for (const { name: field, raw, value } of decoded.fields) {
       const argument = hasValues ? pythonValue(value, enums.get(field), Array.isArray(raw) && Array.isArray(value), imports) : pythonNumber(raw);
       items.push(`${own(names.fields, field) ?? field}=${argument}`);
+    }
+    const code = givenCode(message, decoded);
+    if (code !== null) {
+      items.push(`frame_code=${code}`);
     }
     const given = named(parameters, names);
     if (given.length && (needsParameters || !hasValues)) {

@@ -117,13 +117,13 @@ canwright.meaning = (() => {
     return 8 * message.length - decoded.fields.reduce((sum, { name }) => sum + widths.get(name), 0);
   }
 
-  /** The message of raw integers under the first of some assumptions that allows them. Throws CodecError if none does. */
-  function encodedUnder(edition, { direction, command }, node, raw, assumed) {
+  /** The message of raw integers and a code under the first of some assumptions that allows them. Throws CodecError if none does. */
+  function encodedUnder(edition, { direction, command }, { node, raw, code }, assumed) {
     const encode = direction === "request" ? edition.codec.encodeRequest : edition.codec.encodeReply;
     let refused;
     for (const parameters of assumed) {
       try {
-        return encode(command, { node, raw, parameters });
+        return encode(command, { node, raw, code, parameters });
       } catch (error) {
         if (!(error instanceof canwright.CodecError)) {
           throw error;
@@ -136,7 +136,7 @@ canwright.meaning = (() => {
 
   /** The frame of a message with other raw integers or another node. Throws CodecError. */
   function encode({ edition, message, decoded, assumed }, { node = decoded.node ?? undefined, raw = decoded.raw }) {
-    return encodedUnder(edition, message, node, raw, assumed).frame;
+    return encodedUnder(edition, message, { node, raw, code: decoded.code }, assumed).frame;
   }
 
   /** The raw integer of a value of a field. Throws CodecError, also if its scale depends on a parameter that is not given. */
@@ -150,9 +150,9 @@ canwright.meaning = (() => {
 
   /** Why a sender that obeys the spec cannot send a frame: "range", "reserved", or empty. */
   function deviation(edition, message, decoded, assumed) {
-    const { node, raw, frame } = decoded;
+    const { node, raw, code, frame } = decoded;
     try {
-      const again = encodedUnder(edition, message, node ?? undefined, raw, assumed);
+      const again = encodedUnder(edition, message, { node: node ?? undefined, raw, code }, assumed);
       return canwright.frames.format(again.frame) === canwright.frames.format(frame) ? "" : "reserved";
     } catch (error) {
       if (error instanceof canwright.CodecError) {
@@ -222,7 +222,7 @@ canwright.meaning = (() => {
       }
       throw error;
     }
-    const { direction, command, node, raw } = decoded;
+    const { direction, command, node, code, raw } = decoded;
     const fields = fieldsOf(edition, message, decoded, { parameters, variant, assumed });
     const isAbsent = Object.entries(limits(edition, message)).some(([name, values]) => !values.includes(own(given, name) ?? values[0]));
     const differs = deviation(edition, message, decoded, assumed);
@@ -232,7 +232,7 @@ canwright.meaning = (() => {
     return {
       edition,
       message,
-      decoded: { direction, command, node, frame: decoded.frame, raw, fields },
+      decoded: { direction, command, node, code, frame: decoded.frame, raw, fields },
       variant,
       parameters,
       assumed,
@@ -303,7 +303,7 @@ canwright.meaning = (() => {
     const assumed = assumptions(parameters, variant);
     const present = message.fields.filter(({ fixed, parameter, isChecksum, only }) => fixed === null && parameter === null && !isChecksum && (only === null || only.includes(assumed[0][message.parameter])));
     const raw = Object.fromEntries(present.map((field) => [field.name, start(field)]));
-    return encodedUnder(edition, message, message.nodes ? message.nodes[0] : undefined, raw, assumed).frame;
+    return encodedUnder(edition, message, { node: message.nodes ? message.nodes[0] : undefined, raw }, assumed).frame;
   }
 
   function start({ isArray, elements, type }) {

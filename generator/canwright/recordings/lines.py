@@ -1,0 +1,45 @@
+"""Logs of one frame a line: what a line that gives no frame is counted as."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from .log_frame import OVERLONG, Counts, LogFrame, SkippedPart
+
+Read = Callable[[str], LogFrame | SkippedPart]
+"""The frame on a line, or what the line is instead."""
+
+
+def frames_of(
+    lines: Iterable[str], read: Read, counts: Counts, *, start: int = 1, are_timed: bool = True
+) -> Iterator[LogFrame]:
+    """The frames of numbered lines, each read once. Other lines before the first frame are the header.
+
+    Where lines `are_timed`, a frame without a time is one whose time cannot be read.
+    """
+    is_header = True
+    for number, line in enumerate(lines, start):
+        part = SkippedPart.MALFORMED if line.startswith(OVERLONG) else read(line)
+        if isinstance(part, LogFrame):
+            is_header = False
+            if part.time is None and are_timed:
+                counts.lacks_time(number, line)
+            yield part
+        elif part is SkippedPart.MALFORMED and not line.endswith("\n"):
+            counts.skip(SkippedPart.TRUNCATED, number, line)
+        elif part is not SkippedPart.OTHER or not is_header:
+            counts.skip(part, number, line)
+
+
+def octets(written: str, length: int, line: str, base: int = 16) -> bytes | None:
+    """The first bytes of a list of numbers; None if so many are missing, one is no byte, or the last one may be cut off."""
+    if length < 0:
+        return None
+    numbers = written.split(None, length)[:length]
+    if len(numbers) < length:
+        return None
+    is_cut = length > 0 and line.endswith(numbers[-1]) and (base != 16 or len(numbers[-1]) < 2)  # without "\n"
+    try:
+        return None if is_cut else bytes(int(number, base) for number in numbers)
+    except ValueError:
+        return None
