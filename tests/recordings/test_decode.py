@@ -334,6 +334,36 @@ def test_names_for_no_value_are_within_the_range_and_floats_have_one() -> None:
     assert "2 implausible: `heat` is outside 0..500 K, as 10000.0 K in 101#FB00401C46000000" in text
 
 
+NAMED = """\
+canwright: 1
+family: tank
+edition: v1
+addresses: {tank: {id: 0x100 + node, nodes: 1..2}}
+types:
+  level:
+    {raw: i8, unit: "%", scale: 0.5, raw_range: -100..126, names: {brim: 126, empty: {value: -100}}, no_value: {error: 127}}
+  depth: {raw: u8, scale: none, names: {ground: 1}}
+commands:
+  state: {request: none, reply: {level: {at: 0, type: level, array: 1..2}, depth: {at: 2, type: depth}}}
+"""
+
+
+def test_named_numbers_are_numbers_with_a_name() -> None:
+    Path("tank.yaml").write_text(NAMED, "utf-8")
+    spec = ("--spec", "tank.yaml")
+    text = decode("(1.0) can0 101#7E9C010000000000\n(1.1) can0 101#7F7D020000000000\n", *spec).stdout
+    assert "level[1] 63 % (brim), level[2] -50 % (empty), depth raw 1 (ground)" in text
+    assert "level[1] error, level[2] 62.5 %, depth raw 2" in text
+    lines = list(
+        csv.DictReader(io.StringIO(decode("(1.0) can0 101#7E9C010000000000\n", *spec, "--format", "csv").stdout))
+    )
+    assert [line["value"] for line in lines] == ["63", "-50", ""]
+    shown = CliRunner().invoke(main, ["show", "state", *spec]).output
+    assert "126 brim" in shown and "-100 empty" in shown
+    explained = CliRunner().invoke(main, ["decode", "101#7E9C010000000000", *spec]).output
+    assert "63 % (brim)" in explained
+
+
 def test_a_node_that_does_not_reply_has_the_edition_of_others_of_its_bus() -> None:
     silent = "".join(f"({second}.000000) {bus} 145#9A00000000000000\n" for second in (1, 2) for bus in ("can0", "can1"))
     text = decode(MIXED + silent).stdout
