@@ -312,6 +312,59 @@ def test_values_outside_their_range_are_counted() -> None:
     assert "`iq` is outside" in text and "`encoder`" not in text
 
 
+SHUTTER = """\
+canwright: 1
+family: shutter
+edition: v1
+bus: {dlc: 2}
+addresses:
+  shutter: {request: 0x100 + node, reply: 0x180 + node, nodes: 1..2}
+  every: {request: 0x100, reply: 0x180 + node, nodes: 1..2}
+selector: {at: 0, raw: u8}
+effects:
+  turns: {level: danger, consent: motion, title: The shutter turns}
+  forgets: {level: warning, title: The position is lost}
+states:
+  awake: {entered_by: [wake], title: Awake}
+  asleep: {entered_by: [sleep, all_sleep], prevents: [turns], title: Asleep}
+types:
+  way: {raw: u8, enum: {stay: {value: 0, without_effects: [turns]}, up: 1}}
+commands:
+  wake: {code: 1, reply: echo}
+  sleep: {code: 2, reply: echo, effects: [forgets]}
+  all_sleep: {code: 4, address: every, reply: {from_each: 1..2}, effects: [forgets]}
+  go: {code: 3, request: {way: {at: 1, type: way}}, reply: echo, effects: [turns]}
+"""
+ASLEEP = """\
+(1.0) can0 101#0301
+(1.1) can0 101#0200
+(1.2) can0 101#0301
+(1.3) can0 101#0300
+(1.4) can0 101#0200
+(1.5) can0 101#0301
+(1.6) can0 102#0301
+(1.7) can0 101#0100
+(1.8) can0 101#0301
+(1.9) can0 100#0400
+(2.0) can0 102#0301
+(2.1) can0 182#0301
+"""
+
+
+def test_effects_that_are_warnings_or_do_not_occur_are_stated() -> None:
+    """The second `sleep` changes nothing of the state; staying has no effect; the other shutter sleeps after the broadcast."""
+    Path("shutter.yaml").write_text(SHUTTER, "utf-8")
+    text = decode(ASLEEP, "--spec", "shutter.yaml").stdout
+    stated = [line for line in text.splitlines() if ", first in " in line]
+    assert stated == [
+        "  2 sleep, first in #1: The position is lost",
+        "  1 all_sleep, first in #9: The position is lost",
+        "  2 go, first in #2, in the state Asleep since sleep in #1, without the effect: The shutter turns",
+        "  1 all_sleep, first in #9: The position is lost",
+        "  1 go, first in #10, in the state Asleep since all_sleep in #9, without the effect: The shutter turns",
+    ]
+
+
 GAUGE = """\
 canwright: 1
 family: tank

@@ -10,6 +10,7 @@ from ..model.formatting import bus_id, counted, numbers, sent
 from ..model.refusal import Refusal
 from ..model.types import Type
 from ..recordings.counter_gaps import CounterGaps
+from ..recordings.effects import NodeEffects
 from ..recordings.explain import meanings
 from ..recordings.exports import bus_name, milliseconds, seconds
 from ..recordings.log_frame import Counts, SkippedPart
@@ -108,6 +109,7 @@ def _nodes(summary: Summary, nodes: Nodes) -> Iterator[str]:
         how = _origin(nodes.identified.get((bus, node), ()), node, node_summary.commands)
         yield f"{place}, {editions}{how}: {counted(node_summary.requests, 'request')}, {_replies(node_summary)}"
         yield from _findings(node_summary)
+        yield from _effects(summary.effects.get((bus, node), NodeEffects()))
 
 
 def _missing_settings(summary: Summary) -> Iterator[str]:
@@ -206,6 +208,18 @@ def _findings(node: NodeSummary) -> Iterator[str]:
         yield f"  {values.count} implausible: `{name}` is outside {limits}, as {value} in {sent(values.frame)}"
     for reason, rejected in node.rejected.items():
         yield f"  {rejected.count} rejected, {reason.value}: {rejected.rejection.text}, as in {sent(rejected.example)}"
+
+
+def _effects(effects: NodeEffects) -> Iterator[str]:
+    """The effects of requests that are warnings, and those that the state of the node prevented."""
+    for (command, effect), requests in effects.warnings.items():
+        yield f"  {requests.count} {command.name}, first in #{requests.first}: {formatting.english(effect.title)}"
+    for (entered, command, effect), requests in effects.prevented.items():
+        title = formatting.english(effect.title)
+        since = (
+            f"in the state {formatting.english(entered.state.title)} since {entered.command.name} in #{entered.number}"
+        )
+        yield f"  {requests.count} {command.name}, first in #{requests.first}, {since}, without the effect: {title}"
 
 
 def _counter_gaps(name: str, gaps: CounterGaps) -> str:
