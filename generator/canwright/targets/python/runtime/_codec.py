@@ -997,7 +997,7 @@ class Message:
 
     _nodes: ClassVar[range] = range(0)
     """The nodes. Constructors look there first: calling `_known_node` takes longer."""
-    _code: int | None = None
+    _code: int = 0
     """The code, if there are several."""
     _checked: bool
     """Whether the raw integers and the node are known to be valid."""
@@ -1134,7 +1134,7 @@ class Message:
         """
         parameters = values.pop("parameters", self._parameters)
         self._check_available(parameters)
-        code = values.pop("frame_code", self._code)
+        code = values.pop("frame_code", self._code if self.CODES else None)
         node = self._known_node(values.pop("node", self._node))
         raws = self.raw()
         for name, value in values.items():
