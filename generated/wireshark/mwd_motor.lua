@@ -77,6 +77,15 @@ local function link_rule(rule)
     rule.filled = id_bits(rule.mask or 0)
 end
 
+-- The names of raw integers by their keys.
+local function by_key(members)
+    local names = {}
+    for _, member in ipairs(members or {}) do
+        names[member[1]] = member[2]
+    end
+    return names
+end
+
 local function link_type(type_)
     type_.signed, type_.float = type_.encoding == "signed", type_.encoding == "float"
     type_.plain = type_.linear == nil
@@ -87,12 +96,9 @@ local function link_type(type_)
     end
     type_.limited = type_.enum or type_.flags or type_.limits
     if type_.enum then
-        local names = {}
-        for _, member in ipairs(type_.enum) do
-            names[member[1]] = member[2]
-        end
-        type_.enum = names
+        type_.enum = by_key(type_.enum)
     end
+    type_.names = by_key(type_.names)
     if type_.flags then
         type_.named = {}
         for number, flag in ipairs(type_.flags) do
@@ -752,7 +758,7 @@ end
 
 -- The fields of a frame of a message under some parameters: a list of tables with `field`, `segments`, `index` of an
 -- element of an array, its `name`, both halves of the raw integer and its `number`, `value`, and the `reason` without a
--- value, with the name that the spec gives `no_value`. The tables are filled again for the next frame. nil and the reason if the frame is rejected.
+-- value, with the name that the spec gives `no_value`, or the `name_of_number` that a number has as well. The tables are filled again for the next frame. nil and the reason if the frame is rejected.
 function codec.decode(message, frame, parameters)
     local layout = message.layout
     local choice = layout.parameter and parameters[layout.parameter]
@@ -787,6 +793,7 @@ function codec.decode(message, frame, parameters)
             item.low, item.high, item.number = raw_integer(type_, unsigned_low, unsigned_high)
             local key = key_of(unsigned_low, unsigned_high)
             item.value, item.reason, item.no_value = value_of(type_, item, key, parameters)
+            item.name_of_number = type_.names[key]
         end
     end
     return items
@@ -9220,11 +9227,12 @@ local function shown_value(decoded)
     if decoded.no_value then
         return decoded.no_value .. " (" .. shown_integer(decoded) .. ")"
     end
+    local name = decoded.name_of_number and " (" .. decoded.name_of_number .. ")" or ""
     if decoded.value == nil then
-        return "raw " .. shown_integer(decoded)
+        return "raw " .. shown_integer(decoded) .. name
     end
     local text = type_.plain and shown_integer(decoded) or shown_number(decoded.value)
-    return type_.unit and text .. " " .. type_.unit or text
+    return (type_.unit and text .. " " .. type_.unit or text) .. name
 end
 
 local function label_of(decoded)

@@ -31,7 +31,7 @@ NOT_COMPARED = {
     "EditionSpec.date": "what is compared has two dates",
     **{
         f"{concept}.renamed_from": "what is compared with what, see test_renames.py"
-        for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec", "NoValueSpec")
+        for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec", "NameSpec", "NoValueSpec")
     },
 }
 TEXT = "Another text"
@@ -221,6 +221,10 @@ CHANGES: dict[str, dict[str, Any]] = {
     "TableSpec.entries": {"tables.store.entries.more": {"index": 7, "layout": {}}},
     "Description.title": {"parameters.size.values.big": {"title": TEXT}},
     "Description.about": {"parameters.size.values.big": {"about": TEXT}},
+    "NameSpec.title": {"types.heat.names.boiling.title": TEXT},
+    "NameSpec.about": {"types.heat.names.boiling.about": TEXT},
+    "NameSpec.deprecated": {"types.heat.names.boiling.deprecated": {"since": "v2"}},
+    "NameSpec.value": {"types.heat.names.boiling.value": 99},
     "NoValueSpec.title": {"types.heat.no_value.absent.title": TEXT},
     "NoValueSpec.about": {"types.heat.no_value.absent.about": TEXT},
     "NoValueSpec.deprecated": {"types.heat.no_value.faulty.deprecated": {"since": "v1"}},
@@ -237,6 +241,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "TypeSpec.range": {"types.angle.range": "-80..80"},
     "TypeSpec.plausible": {"types.level.plausible": "1..2"},
     "TypeSpec.enum": {"types.colour.enum.blue": {"value": 7}},
+    "TypeSpec.names": {"types.heat.names": {"icy": 1, "warm": 20}},
     "TypeSpec.no_value": {"types.heat.no_value.cold": 248, "types.heat.no_value.faulty.raw": "249..253"},
     "TypeSpec.flags": {"types.state.flags.wet": {"bit": 7}},
 }

@@ -23,7 +23,7 @@ addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
 selector: {at: 0, raw: u8}
 parameters: {size: {values: {small: {title: Small}, big: {title: Big}}}}
 types:
-  level: {raw: u16, unit: "%", scale: 0.1}
+  level: {raw: u16, unit: "%", scale: 0.1, names: {full: {value: 1000, title: Full}}}
   glare: {raw: u8, raw_range: {by: size, small: 0..9, big: 0..99}}
   faults: {raw: u8, flags: {hot: {bit: 0, title: Hot}}}
   state: {raw: u8, enum: {idle: {value: 0, title: Idle}}}
@@ -40,6 +40,7 @@ INLINE = {"request: light, reply: none": "request: {level: {at: 2, type: level}}
 EDITS: list[tuple[str, dict[str, str], list[str]]] = [
     ("member-renamed", {"{hot:": "{warm:"}, ["…_FAULTS_WARM", "r11_faults_warm", "Python `HOT` → `WARM`"]),
     ("member-renamed", {"{idle:": "{rest:"}, ["…_STATE_REST", "DBC `idle` → `rest`", "Python `IDLE` → `REST`"]),
+    ("member-renamed", {"{full:": "{most:"}, ["`…_LEVEL_FULL` → `…_LEVEL_MOST`"]),
     ("type-renamed", {"level:": "share:", "type: level": "type: share", "{share: {at": "{level: {at"}, ["…_share_to_milli` (+"]),
     ("layout-of-command-changed", INLINE, ["…_light_t` → `…_glow_request_t", "`Light` → `GlowRequest`"]),
     ("layout-renamed", {"light": "lamp_light"}, ["`…_light_t` → `…_lamp_light_t`", "Python `Light` → `LampLight`"]),

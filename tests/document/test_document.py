@@ -93,6 +93,13 @@ def test_a_byte_order_mark_of_utf_8_is_ignored(tmp_path: Path) -> None:
         read_document(tmp_path / "x.yaml")
 
 
+def test_toml_that_is_nested_too_deeply_is_an_error() -> None:
+    with pytest.raises(SpecError) as raised:
+        TomlDocument("canwright.toml", f"[check]\na = {'[' * 20000}{']' * 20000}\n")
+    (finding,) = raised.value.diagnostics
+    assert finding.message == "this is not TOML: it is nested too deeply"
+
+
 def test_a_finding_shows_the_line_and_a_caret() -> None:
     document = parse_document("x.yaml", "a:\n  bc: [1, def]\n")
     text = str(document.finding(("a", "bc", 1), "some-rule", "this is invalid", "write ghi"))

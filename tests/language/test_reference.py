@@ -39,7 +39,7 @@ def test_every_key_is_on_the_page_and_explained() -> None:
 
 def test_explain_describes_keys_and_rules() -> None:
     output = CliRunner().invoke(main, ["explain", "value"]).output
-    assert "value of `member`:" in output
+    assert "value of `member`, `name`:" in output
     assert "value (error)" in output
     assert "\n  flags:" in CliRunner().invoke(main, ["explain", "type"]).output
     unknown = CliRunner().invoke(main, ["explain", "selektor"])

@@ -174,6 +174,14 @@ def test_a_file_in_place_of_the_folder(runs: Runs, scenario: Scenario, tmp_path:
     assert (tmp_path / "file").read_bytes() == b"mine\n"
 
 
+def test_a_link_to_itself_in_place_of_the_folder(runs: Runs, scenario: Scenario, tmp_path: Path) -> None:
+    (tmp_path / "loop").symlink_to("loop")
+    ended = runs.run(*scenario.arguments(tmp_path / "loop"))
+    assert_rejected(ended, f"{tmp_path}/loop is a symbolic link", "--out")
+    ended = runs.run(*scenario.arguments(tmp_path / "loop/out"))
+    assert_rejected(ended, f"{tmp_path}/loop", "symbolic links", "nothing was changed")
+
+
 def test_a_check_of_outputs_writes_nothing(runs: Runs, scenario: Scenario, tmp_path: Path) -> None:
     """No step of it, where nothing was generated, where it is old, and where it is up to date."""
     for name, status in (("nothing", 1), ("old", 1), ("new", 0)):

@@ -312,6 +312,59 @@ def test_values_outside_their_range_are_counted() -> None:
     assert "`iq` is outside" in text and "`encoder`" not in text
 
 
+SHUTTER = """\
+canwright: 1
+family: shutter
+edition: v1
+bus: {dlc: 2}
+addresses:
+  shutter: {request: 0x100 + node, reply: 0x180 + node, nodes: 1..2}
+  every: {request: 0x100, reply: 0x180 + node, nodes: 1..2}
+selector: {at: 0, raw: u8}
+effects:
+  turns: {level: danger, consent: motion, title: The shutter turns}
+  forgets: {level: warning, title: The position is lost}
+states:
+  awake: {entered_by: [wake], title: Awake}
+  asleep: {entered_by: [sleep, all_sleep], prevents: [turns], title: Asleep}
+types:
+  way: {raw: u8, enum: {stay: {value: 0, without_effects: [turns]}, up: 1}}
+commands:
+  wake: {code: 1, reply: echo}
+  sleep: {code: 2, reply: echo, effects: [forgets]}
+  all_sleep: {code: 4, address: every, reply: {from_each: 1..2}, effects: [forgets]}
+  go: {code: 3, request: {way: {at: 1, type: way}}, reply: echo, effects: [turns]}
+"""
+ASLEEP = """\
+(1.0) can0 101#0301
+(1.1) can0 101#0200
+(1.2) can0 101#0301
+(1.3) can0 101#0300
+(1.4) can0 101#0200
+(1.5) can0 101#0301
+(1.6) can0 102#0301
+(1.7) can0 101#0100
+(1.8) can0 101#0301
+(1.9) can0 100#0400
+(2.0) can0 102#0301
+(2.1) can0 182#0301
+"""
+
+
+def test_effects_that_are_warnings_or_do_not_occur_are_stated() -> None:
+    """The second `sleep` changes nothing of the state; staying has no effect; the other shutter sleeps after the broadcast."""
+    Path("shutter.yaml").write_text(SHUTTER, "utf-8")
+    text = decode(ASLEEP, "--spec", "shutter.yaml").stdout
+    stated = [line for line in text.splitlines() if ", first in " in line]
+    assert stated == [
+        "  2 sleep, first in #1: The position is lost",
+        "  1 all_sleep, first in #9: The position is lost",
+        "  2 go, first in #2, in the state Asleep since sleep in #1, without the effect: The shutter turns",
+        "  1 all_sleep, first in #9: The position is lost",
+        "  1 go, first in #10, in the state Asleep since all_sleep in #9, without the effect: The shutter turns",
+    ]
+
+
 GAUGE = """\
 canwright: 1
 family: tank
@@ -332,6 +385,36 @@ def test_names_for_no_value_are_within_the_range_and_floats_have_one() -> None:
     text = decode("(1.0) can0 101#FB00401C46000000\n(1.1) can0 101#FF0000C07F000000\n", *spec, status=1).stdout
     assert "2 implausible: `level` is outside raw 0..250, as 100.4 % in 101#FB00401C46000000" in text
     assert "2 implausible: `heat` is outside 0..500 K, as 10000.0 K in 101#FB00401C46000000" in text
+
+
+NAMED = """\
+canwright: 1
+family: tank
+edition: v1
+addresses: {tank: {id: 0x100 + node, nodes: 1..2}}
+types:
+  level:
+    {raw: i8, unit: "%", scale: 0.5, raw_range: -100..126, names: {brim: 126, empty: {value: -100}}, no_value: {error: 127}}
+  depth: {raw: u8, scale: none, names: {ground: 1}}
+commands:
+  state: {request: none, reply: {level: {at: 0, type: level, array: 1..2}, depth: {at: 2, type: depth}}}
+"""
+
+
+def test_named_numbers_are_numbers_with_a_name() -> None:
+    Path("tank.yaml").write_text(NAMED, "utf-8")
+    spec = ("--spec", "tank.yaml")
+    text = decode("(1.0) can0 101#7E9C010000000000\n(1.1) can0 101#7F7D020000000000\n", *spec).stdout
+    assert "level[1] 63 % (brim), level[2] -50 % (empty), depth raw 1 (ground)" in text
+    assert "level[1] error, level[2] 62.5 %, depth raw 2" in text
+    lines = list(
+        csv.DictReader(io.StringIO(decode("(1.0) can0 101#7E9C010000000000\n", *spec, "--format", "csv").stdout))
+    )
+    assert [line["value"] for line in lines] == ["63", "-50", ""]
+    shown = CliRunner().invoke(main, ["show", "state", *spec]).output
+    assert "126 brim" in shown and "-100 empty" in shown
+    explained = CliRunner().invoke(main, ["decode", "101#7E9C010000000000", *spec]).output
+    assert "63 % (brim)" in explained
 
 
 def test_a_node_that_does_not_reply_has_the_edition_of_others_of_its_bus() -> None:

@@ -351,6 +351,15 @@ def test_a_late_reply_is_late_for_the_log() -> None:
     assert [frame.is_late for frame in judge(MOTOR, log)] == [False] * 39 + [True]
 
 
+@pytest.mark.parametrize(("latency", "is_late"), [(1, False), (2, True)])
+def test_a_reply_is_late_only_by_more_than_the_resolution_of_the_times(latency: int, is_late: bool) -> None:
+    """At 1 ms: the reply of 1 ms took more than 0 ms, that of 2 ms more than 1 ms; 0.5 ms are permitted."""
+    times = [1_841_000_000, 1_842_000_000, 1_851_000_000, 1_851_000_000 + latency * 1_000_000]
+    alternately = [CanFrame(0x141, bytes.fromhex(data)) for data in ("9A00000000000000", "9A3200E701000000")]
+    log = [LogFrame(time, "can0", alternately[number % 2], None) for number, time in enumerate(times)]
+    assert [frame.is_late for frame in judge(MOTOR, log)] == [False] * 3 + [is_late]
+
+
 def test_a_command_with_a_reply_time_of_its_own() -> None:
     edition = EDITIONS["mwd_motor/v2.36-2025-03"]
     log = frames("141#1800000000000000 141#9A00000000000000 181#9A32081364000000 181#18D20400E8030001")

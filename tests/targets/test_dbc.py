@@ -302,6 +302,14 @@ def test_the_second_of_two_equal_names_gets_a_number(tmp_path: Path) -> None:
     assert {*signals} == {("c10_a_1", "8"), ("c10_a_1_2", "16"), ("c10_a_2", "24")}
 
 
+def test_named_numbers_are_numbers_with_a_value_table(tmp_path: Path) -> None:
+    spec = MINIMAL.replace("raw_range: 0..1000", "raw_range: 0..1000, names: {most: 1000, least: {value: 0}}")
+    (tmp_path / "v1.yaml").write_text(spec, "utf-8")
+    text = files(tmp_path / "v1.yaml")["lamp-v1-command.dbc"]
+    assert re.search(r'^ SG_ c10_level m16 : 16\|16@1\+ \(0.1,0\) \[0\|100\] "%"', text, re.MULTILINE)
+    assert re.search(r'^VAL_ \d+ c10_level 0 "least" 1000 "most" ;$', text, re.MULTILINE)
+
+
 def test_numbers_have_no_exponent(texts: Mapping[str, str]) -> None:
     for text in texts.values():
         for line in re.findall(r"^ SG_ .*", text, re.MULTILINE):

@@ -27,7 +27,7 @@ NOT_SHOWN = {
     "TypeSpec.plausible": "for `identify` and `decode`, see tests/recordings/test_identify.py",
     **{
         f"{concept}.renamed_from": "for `diff`, see tests/compare/test_renames.py"
-        for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec", "NoValueSpec")
+        for concept in ("CommandSpec", "EntrySpec", "FieldSpec", "FlagSpec", "MemberSpec", "NameSpec", "NoValueSpec")
     },
 }
 

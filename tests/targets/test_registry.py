@@ -46,6 +46,16 @@ def run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.parametrize("command", ["check", "generate"])
+def test_a_target_that_exits_when_it_is_imported_is_an_error_line(command: str, tmp_path: Path) -> None:
+    install(tmp_path / "site", "other", "csv = canwright_exits:TARGET")
+    (tmp_path / "site/canwright_exits.py").write_text("import sys\nsys.exit(0)\n", "utf-8")
+    (tmp_path / "my.yaml").write_text(MINIMAL, "utf-8")
+    result = run(tmp_path, command, "--spec", "my.yaml")
+    assert (result.returncode, result.stdout) == (2, "")
+    assert "the target `csv` of the package other cannot be loaded: it exits with 0" in result.stderr
+
+
 @pytest.mark.parametrize(
     ("entry_point", "message"),
     [

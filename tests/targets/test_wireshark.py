@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from canwright.model.edition import Edition
+from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.recordings.directions import Directions
 from canwright.recordings.log_frame import LogFrame
@@ -122,3 +123,16 @@ def test_a_field_has_one_kind_in_all_editions() -> None:
     fields: list[Any] = list(filters(editions).fields)
     kinds = {field["name"]: field["kind"] for field in fields}
     assert kinds["voltage"] == "double" and kinds["motor_state"] == "uint32" and kinds["iq"] == "double"
+
+
+def test_numbers_have_their_names_beside_the_value() -> None:
+    lua = decoder(_edition("tests/specs/pump/v1.yaml"))
+    message = lua.message(Direction.REQUEST, "set_duty")
+    names = {"000186A0": "full", "FFFE7960": "backwards", "00000000": "still", "00000001": None}
+    for data, name in names.items():
+        frame = lua.frame(CanFrame(0, bytes.fromhex(data), True, False))
+        (item,) = lua.codec.decode(message, frame, lua.parameters({})).values()
+        assert (item.name_of_number, item.value) == (
+            name,
+            int.from_bytes(bytes.fromhex(data), "big", signed=True) / 100000,
+        )

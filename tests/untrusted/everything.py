@@ -49,7 +49,8 @@ types:
   turns: {raw: u8, raw_range: 0..2*count+1}
   label: {raw: utf8_4, padding: 32}
   share: {raw: u10, unit: A, scale: 1/512*count, offset: -count, range: -1/2*count..1/2*count}
-  heat: {raw: u8, unit: degC, no_value: {absent: {raw: 255, deprecated: {since: v1}}, faulty: {raw: 250..253}, hot: 254}}
+  heat: {raw: u8, unit: degC, no_value: {absent: {raw: 255, deprecated: {since: v1}}, faulty: {raw: 250..253}, hot: 254},
+         names: {boiling: {value: 100, deprecated: {since: v1}}, icy: 0}}
 layouts:
   status: {fields: {state: {at: 1, type: state}, level: {at: 2, type: level}, turns: {at: 4, type: turns}}}
 tables:

@@ -205,4 +205,5 @@ def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
     scale = "\n".join(f"{step} ({names})" if names else step for names, step in formatting.scale(type_, among))
     limits = [f"{limits} ({names})" if names else limits for names, limits in formatting.ranges(type_)]
     limits += [f"{formatting.no_value(no_value)} {no_value.name}" for no_value in type_.no_values]
+    limits += [f"{member.value} {member.name}" for member in type_.names]
     return scale, "\n".join(limits)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -129,7 +130,7 @@ def load(
     specs: Sequence[Path], printer: str = "text", record: RunRecord | None = None, *, for_output: bool = True
 ) -> list[Loaded]:
     """The given specs, or all specs, with their warnings and documents. Errors are printed and exit the command."""
-    files = list({file.resolve(): file for file in specs}.values())
+    files = list({os.path.realpath(file): file for file in specs}.values())
     try:
         files = files or project_specs(Path(), SPEC_FOLDER)
     except OSError as error:

@@ -169,8 +169,8 @@ def decode(
     file, and while it is read if it is a stream. If several editions fit, a row lists all, and is decoded with the first.
 
     At the end, a summary lists missing, late, unexpected and rejected frames for each node (with the longest gap of
-    frames that have a period or a time-out, and the gaps of counters), implausible values, and
-    everything that was skipped. With --split or --plot, rows are printed only if --format is given.
+    frames that have a period or a time-out, and the gaps of counters), implausible values,
+    effects of requests that are warnings or do not occur in the state of the node, and everything that was skipped. With --split or --plot, rows are printed only if --format is given.
 
     Exit status: 0 if every line and every frame of the nodes is decoded, no frame has another meaning in another edition
     that fits, no edition changes, every value is plausible, and the directions are certain; 1 if not; 2 if it could not run;

@@ -8,7 +8,9 @@ from ..diagnostics.unicode_safety import visible
 from ..model import formatting
 from ..model.formatting import bus_id, counted, numbers, sent
 from ..model.refusal import Refusal
+from ..model.types import Type
 from ..recordings.counter_gaps import CounterGaps
+from ..recordings.effects import NodeEffects
 from ..recordings.explain import meanings
 from ..recordings.exports import bus_name, milliseconds, seconds
 from ..recordings.log_frame import Counts, SkippedPart
@@ -68,21 +70,22 @@ def _fields(row: Row) -> str:
         return f"foreign: {sent(judged.recorded.frame)}"
     if judged.rejection is not None:
         return f"rejected: {judged.rejection.text} ({sent(judged.recorded.frame)})"
-    values = ", ".join(f"{c.column.name} {value_text(c.value, c.raw, c.column.unit)}" for c in row.cells)
+    values = ", ".join(f"{c.column.name} {value_text(c.value, c.raw, c.column.field.type)}" for c in row.cells)
     if judged.request is None:
         return values
     latency = f" after {milliseconds(judged.latency, 3)} ms" if judged.latency is not None else ""
     return f"{values}{'; ' if values else ''}answers #{judged.request}{latency}"
 
 
-def value_text(value: CellValue, raw: int, unit: str) -> str:
-    """A value with its unit: `2.5 A`, `[hot, clipping]`; a raw integer without a value as `raw 155`."""
+def value_text(value: CellValue, raw: int, type_: Type) -> str:
+    """A value with unit and name: `2.5 A`, `100 % (maximum)`, `[hot, clipping]`; without a scale `raw 155`."""
+    name = f" ({named})" if (named := type_.name_of(raw)) else ""
     if value is None:
-        return f"raw {raw}"
+        return f"raw {raw}{name}"
     if isinstance(value, str):  # a name, also for no value of a number with a unit
         return value
     text = f"[{', '.join(value)}]" if isinstance(value, list) else str(value)
-    return f"{text} {unit}" if unit else text
+    return (f"{text} {type_.unit.symbol}" if type_.unit else text) + name
 
 
 def summary_text(summary: Summary, nodes: Nodes, counts: Counts) -> str:
@@ -106,6 +109,7 @@ def _nodes(summary: Summary, nodes: Nodes) -> Iterator[str]:
         how = _origin(nodes.identified.get((bus, node), ()), node, node_summary.commands)
         yield f"{place}, {editions}{how}: {counted(node_summary.requests, 'request')}, {_replies(node_summary)}"
         yield from _findings(node_summary)
+        yield from _effects(summary.effects.get((bus, node), NodeEffects()))
 
 
 def _missing_settings(summary: Summary) -> Iterator[str]:
@@ -200,10 +204,22 @@ def _findings(node: NodeSummary) -> Iterator[str]:
             yield f"  {message.name}: {_counter_gaps(name, gaps)}"
     for (name, limits), values in node.implausible.items():
         cell = values.example
-        value = value_text(cell.value, cell.raw, cell.column.unit)
+        value = value_text(cell.value, cell.raw, cell.column.field.type)
         yield f"  {values.count} implausible: `{name}` is outside {limits}, as {value} in {sent(values.frame)}"
     for reason, rejected in node.rejected.items():
         yield f"  {rejected.count} rejected, {reason.value}: {rejected.rejection.text}, as in {sent(rejected.example)}"
+
+
+def _effects(effects: NodeEffects) -> Iterator[str]:
+    """The effects of requests that are warnings, and those that the state of the node prevented."""
+    for (command, effect), requests in effects.warnings.items():
+        yield f"  {requests.count} {command.name}, first in #{requests.first}: {formatting.english(effect.title)}"
+    for (entered, command, effect), requests in effects.prevented.items():
+        title = formatting.english(effect.title)
+        since = (
+            f"in the state {formatting.english(entered.state.title)} since {entered.command.name} in #{entered.number}"
+        )
+        yield f"  {requests.count} {command.name}, first in #{requests.first}, {since}, without the effect: {title}"
 
 
 def _counter_gaps(name: str, gaps: CounterGaps) -> str:

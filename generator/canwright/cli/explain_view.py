@@ -78,7 +78,7 @@ def _table(fields: Sequence[FieldMeaning]) -> Iterator[str]:
 
 def _cells(field: FieldMeaning) -> tuple[str, str, str, str]:
     values = (
-        value_text(value, field.raw, field.unit) + (f" ({parameters})" if parameters else "")
+        value_text(value, field.raw, field.type) + (f" ({parameters})" if parameters else "")
         for parameters, value in field.values
     )
     only = f" (only {field.only})" if field.only else ""

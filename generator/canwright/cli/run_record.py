@@ -126,7 +126,7 @@ class RunRecord:
     def _state_digest(self, files: Sequence[str]) -> str | None:
         """The digest of what this run depends on besides its output; None if it cannot be determined."""
         try:
-            present = [[file, str(Path(file).resolve()), digest_of(Path(file))] for file in files]
+            present = [[file, os.path.realpath(file), digest_of(Path(file))] for file in files]
             return self._surroundings and _digest([self._surroundings, present, [*_names(Path("spec"))]])
         except (OSError, ValueError):
             return None

@@ -149,18 +149,18 @@ _VALUE = (
     ("range-changed", "A range is changed.", "the raw range of `{name}`{when} is {new} (was {old})"),
     (
         "member-added",
-        "A member is added to an enum, to flags or to `no_value`.",
+        "A member is added to an enum, to flags, to `no_value` or to `names`.",
         "`{member}` ({value}) is added to `{name}`",
     ),
     (
         "member-removed",
-        "A member of an enum, of flags or of `no_value` is removed.",
+        "A member of an enum, of flags, of `no_value` or of `names` is removed.",
         "`{member}` ({value}) of `{name}` is removed{deprecation}",
     ),
     ("member-renumbered", "A member has a different value.", "`{member}` of `{name}` is {new} (was {old})"),
     (
         "member-replaced",
-        "A value of an enum or a bit of flags has another meaning.",
+        "A value of an enum, a named number or a bit of flags has another meaning.",
         "{value} of `{name}` now means `{new}` (was `{old}`)",
     ),
     (
@@ -226,7 +226,7 @@ _API = (
     ("type-of-field-changed", "A field has a different type.", "`{name}` has the type `{new}` (was `{old}`)"),
     (
         "member-renamed",
-        "A member of an enum or of flags is renamed.",
+        "A member of an enum, of flags or of `names` is renamed.",
         "`{old}` of `{name}` is renamed to `{new}`: {names}",
     ),
     (

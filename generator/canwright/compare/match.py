@@ -132,6 +132,7 @@ def member_names(old: Type, new: Type) -> Mapping[str, str]:
         *members(old.enum, new.enum).pairs,
         *members(old.flags, new.flags).pairs,
         *members(old.no_values, new.no_values).pairs,
+        *members(old.names, new.names).pairs,
     )
     return {before.name: after.name for before, after in pairs}
 

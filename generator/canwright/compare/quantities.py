@@ -72,6 +72,7 @@ def compare(subject: Subject, name: str, old: Type, new: Type) -> None:
         ("enum", old.enum, new.enum),
         ("flags", old.flags, new.flags),
         ("no_value", old.no_values, new.no_values),
+        ("names", old.names, new.names),
     )
     for key, before, after in named:
         _members(subject.at(key), name, before, after)

@@ -110,7 +110,8 @@ _SPEC_KEY = re.compile(rb"\bcanwright\W{0,3}:")
 def _leads_outside(file: Path) -> bool:
     """Whether a path in the current folder leads through a symbolic link to a file outside of it."""
     folder = Path.cwd()
-    return Path(os.path.normpath(folder / file)).is_relative_to(folder) and not file.resolve().is_relative_to(folder)
+    named, actual = Path(os.path.normpath(folder / file)), Path(os.path.realpath(file))
+    return named.is_relative_to(folder) and not actual.is_relative_to(folder)
 
 
 def read_document(file: Path, name: str | None = None) -> tuple[Document, bytes]:

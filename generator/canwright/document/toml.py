@@ -34,6 +34,8 @@ class TomlDocument(Document):
             self.data = tomllib.loads(self._source.text, parse_float=Decimal)
         except tomllib.TOMLDecodeError as error:
             raise SpecError([self._syntax_error(str(error))]) from None
+        except RecursionError:
+            raise SpecError([self._syntax_error("it is nested too deeply (at line 1, column 1)")]) from None
 
     def _syntax_error(self, message: str) -> Diagnostic:
         place = _PLACE.search(message)

@@ -48,6 +48,7 @@ from .types import (
     EffectName,
     FlagSpec as FlagSpec,
     MemberSpec as MemberSpec,
+    NameSpec as NameSpec,
     NoValueSpec as NoValueSpec,
     OffsetBy as OffsetBy,
     RangeBy as RangeBy,

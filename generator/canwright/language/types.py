@@ -94,15 +94,21 @@ SpanChoice = Span | RangeBy
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemberSpec(Description):
+class NameSpec(Description):
     """A name for one raw value."""
 
     value: Annotated[int, Doc("The raw value with this name.")]
+    renamed_from: RenamedFrom = None
+    deprecated: Deprecated = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemberSpec(NameSpec):
+    """A name for one raw value of an enum."""
+
     without_effects: Annotated[
         list[EffectName], Doc("Effects that a command does not have if its request contains this value.")
     ] = field(default_factory=list)
-    renamed_from: RenamedFrom = None
-    deprecated: Deprecated = None
 
 
 BitNumber = Annotated[int, Limits(ge=0, le=63)]
@@ -129,6 +135,7 @@ class NoValueSpec(Description):
 NamedValue = int | MemberSpec
 NamedBit = BitNumber | FlagSpec
 NamedRaws = RawIntegers | NoValueSpec
+NamedNumber = int | NameSpec
 
 
 NO_VALUE_WORDS = ("not_available", "unavailable", "error", "invalid", "undefined", "special", "special_values")
@@ -211,13 +218,26 @@ class TypeSpec(Description):
             ),
         ),
     ] = None
+    names: Annotated[
+        Annotated[dict[Name, NamedNumber], Limits(min_length=1)] | None,
+        Doc(
+            "Names for some raw integers of a number, shown beside the value: the raw integer, or a mapping with a title. "
+            "Each is within the range.",
+            examples=(
+                {"stopped": 0, "maximum": 1000},
+                {"maximum": {"value": 1000, "title": "Full power"}},
+            ),
+        ),
+    ] = None
     differs: Annotated[EditionText, Doc("The reason why this scale or unit differs from that of similar types.")] = (
         field(default_factory=dict)
     )
 
     def problems(self, name: str) -> Iterable[Problem]:
         joined = self.raw.joined
-        for key in ("unit", "scale", "offset", "range", "raw_range", "plausible", "enum", "flags") if joined else ():
+        for key in (
+            ("unit", "scale", "offset", "range", "raw_range", "plausible", "enum", "flags", "names") if joined else ()
+        ):
             if getattr(self, key) is not None:
                 what = "a text" if isinstance(joined, JoinedText) else "a number of decimal digits"
                 yield Problem((key,), "no-effect", f"{what} has no `{key}`", "remove it")
@@ -228,6 +248,9 @@ class TypeSpec(Description):
         if self.raw_range is not None and self.raw[0] is Encoding.FLOAT:
             text = "`raw_range` is in raw integers, but this is a float"
             yield Problem(("raw_range",), "two-ranges", text, "write `range`")
+        if self.names is not None and self.raw[0] is Encoding.FLOAT:
+            text = "`names` are for raw integers, but this type is a float"
+            yield Problem(("names",), "no-effect", text, "remove it, or write u or i in `raw`")
         yield from self._no_value_problems()
         if self.scale != "none":
             return

@@ -21,7 +21,7 @@ NOT_MEANING = frozenset(
 _UNORDERED = frozenset(
     (
         *("parameters", "settings", "effects", "states", "addresses", "types", "layouts", "tables", "commands"),
-        *("modes", "values", "fields", "variants", "keys", "enum", "flags"),
+        *("modes", "values", "fields", "variants", "keys", "enum", "flags", "names"),
     )
 )
 """The attributes that are in the order of the spec, which changes no frame."""

@@ -235,7 +235,7 @@ class Range:
 
 @dataclass(frozen=True, kw_only=True)
 class Member:
-    """A name for one raw value of an enum, or for one bit of flags (then `value` is the bit number).
+    """A name for one raw value of an enum or a number, or for one bit of flags (then `value` is the bit number).
 
     `renamed_from` is its name in previous editions. `without_effects` are names of effects that a command does not have if
     its request contains the value.
@@ -271,7 +271,8 @@ class Type:
 
     `linear` is `Linear(1, 0)` if the spec gives no scale, and None if it states that the scale is unknown. `raw_range`
     limits the raw integer, of a float the value; it is None if all are allowed. It does not apply to `no_values`, which
-    mean that a number has no value; an encoder without a name writes the first. `plausible` are values that a working
+    mean that a number has no value; an encoder without a name writes the first. `names` are shown beside the numbers.
+    `plausible` are values that a working
     node reports; `is_plausible` compares. `differs` explains why scale or unit differ from those of other types of
     the same quantity.
     """
@@ -288,6 +289,7 @@ class Type:
     enum: tuple[Member, ...]
     flags: tuple[Member, ...]
     no_values: tuple[NoValue, ...]
+    names: tuple[Member, ...]
     plausible: Range | None
     title: Text
     about: Text
@@ -314,6 +316,10 @@ class Type:
     def no_value(self, raw: int) -> NoValue | None:
         """Why a raw integer has no value; None if it is a number."""
         return next((no_value for no_value in self.no_values if no_value.has(raw)), None)
+
+    def name_of(self, raw: int) -> str:
+        """The name that is shown beside the number of a raw integer; empty without one."""
+        return next((member.name for member in self.names if member.value == raw), "")
 
     @property
     def is_number(self) -> bool:

@@ -7,6 +7,7 @@ files that were edited since only if forced.
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -73,7 +74,8 @@ def write(out: Path, content: Content, *, force: bool = False, patience: float =
     a folder for one target alone has other files, another run is writing, or the file system rejects a step.
     """
     with file_system_errors(out, "write"):
-        if out.resolve() == Path(out.resolve().anchor):
+        resolved = Path(os.path.realpath(out))
+        if resolved == Path(resolved.anchor):
             raise OutputError(f"{out.as_posix()} is the root of the file system; choose another folder with --out")
         _refuse_unsafe(out, content)
         refuse_obstacles(out, LOCK)

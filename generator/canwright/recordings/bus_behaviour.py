@@ -25,7 +25,7 @@ class Behaviour(NamedTuple):
     `is_marked` if marks distinguish requests and replies. `copied` are the directions in which each frame is recorded
     twice. `reply_time` is the time in ns within which nine of ten replies come, None if unknown. `old_bits` are requests
     of a host that leaves old bytes in its transmit buffer. `only` is the direction of all frames, if the log lacks those of
-    the other.
+    the other. `resolution` is that of the times in ns, by which a latency is uncertain.
     """
 
     is_marked: bool = False
@@ -33,13 +33,13 @@ class Behaviour(NamedTuple):
     reply_time: int | None = None
     old_bits: tuple[OldBits, ...] = ()
     only: Direction | None = None
+    resolution: int = 1
 
     @property
     def certain(self) -> Behaviour:
         """What is known without a doubt: the marks, the copies, and old bits that do not vary."""
-        return self._replace(
-            reply_time=None, only=None, old_bits=tuple(bits for bits in self.old_bits if bits.value is not None)
-        )
+        old_bits = tuple(bits for bits in self.old_bits if bits.value is not None)
+        return self._replace(reply_time=None, only=None, old_bits=old_bits, resolution=1)
 
     def old_bits_of(self, request: Message) -> OldBits | None:
         """The old bits of a request, if it has any."""

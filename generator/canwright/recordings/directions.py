@@ -692,11 +692,11 @@ def _directed(
 
 
 def _is_late(exchange: _Exchange, latency: int, node: int | None) -> bool:
-    """Whether a reply is late. Several frames, and the nodes that answer one broadcast, come one after the other."""
+    """Whether a reply is certainly late. Several frames, and the nodes that answer one broadcast, come one after the other."""
     from_each = exchange.rule.frame_class.command.from_each
     after = exchange.rule.late_after
     position = from_each.index(node) if node in from_each else exchange.expected - exchange.missing - 1
-    return after is not None and latency > after * (position + 1)
+    return after is not None and latency - exchange.rule.resolution >= after * (position + 1)
 
 
 def direction_by_content(rule: DirectionRule, content: int) -> tuple[Direction | None, DecidedBy] | None:

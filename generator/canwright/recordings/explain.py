@@ -9,7 +9,7 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.layout import ChecksumRole, Field
 from ..model.message import Direction, Message
-from ..model.types import Assignment
+from ..model.types import Assignment, Type
 from ..semantics.decoder import Rejection, rejects_checked
 from ..semantics.encoder import Encoder
 from ..semantics.frame import CanFrame, raw_of
@@ -28,7 +28,7 @@ class FieldMeaning:
     place: str
     raw: int
     values: Sequence[tuple[str, CellValue]]
-    unit: str
+    type: Type
     only: str
 
 
@@ -117,11 +117,10 @@ def _unusual(field: Field, frame: CanFrame, assignment: Assignment, only: Only) 
 def _fields(field: Field, frame: CanFrame, assignment: Assignment, command: Only, only: Only) -> Iterator[FieldMeaning]:
     raw = raw_of(field, frame)
     raws = raw if isinstance(raw, list) else [raw]
-    unit = field.type.unit.symbol if field.type.unit else ""
     for (name, segments), number in zip(formatting.elements(field), raws, strict=True):
         values = list(_values(field, number, assignment, {**command, **only}))
         place = formatting.place(field.space, segments, order=field.type.order)
-        yield FieldMeaning(name, place, number, values, unit, formatting.condition(only))
+        yield FieldMeaning(name, place, number, values, field.type, formatting.condition(only))
 
 
 def _checksum(field: Field, frame: CanFrame) -> FieldMeaning:
@@ -129,7 +128,7 @@ def _checksum(field: Field, frame: CanFrame) -> FieldMeaning:
     (_, segments), *_ = formatting.elements(field)
     raw = raw_of(field, frame)
     assert isinstance(raw, int)
-    return FieldMeaning(field.name, formatting.place(field.space, segments), raw, [("", "correct")], "", "")
+    return FieldMeaning(field.name, formatting.place(field.space, segments), raw, [("", "correct")], field.type, "")
 
 
 def _values(field: Field, raw: int, assignment: Assignment, only: Only) -> Iterator[tuple[str, CellValue]]:

@@ -166,6 +166,7 @@ class DirectionRule:
         self.request, self.has_old_bits = frame_class.request, False
         self._own_time: int | None = None
         self._reply_time = behaviour.reply_time
+        self.resolution = behaviour.resolution
         self._is_by_time = any(bits.value is None for bits in behaviour.old_bits)
         if self.request is not None:
             within = frame_class.command.reply_within_ms

@@ -21,7 +21,7 @@ def is_overwritten(read: os.stat_result, path: Path) -> bool:
 
 def same_path(paths: Sequence[Path]) -> Path | None:
     """A path that is among others twice, whatever the spelling; None if all differ."""
-    resolved = [path.resolve() for path in paths]
+    resolved = [os.path.realpath(path) for path in paths]
     return next((path for i, path in enumerate(paths) if resolved[i] in resolved[:i]), None)
 
 

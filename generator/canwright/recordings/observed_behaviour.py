@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -19,6 +20,7 @@ _LONG = 1_000_000_000
 """A pause in ns before which nothing counts."""
 _LEAST = 8
 """The number of cases from which a share is taken."""
+_RESOLUTIONS = tuple(int(10**power) for power in range(8, -1, -1))
 _RARE = 32
 """Reserved bits of a request are old if it is followed by its reply as if both were replies, once in so many or more."""
 
@@ -144,6 +146,8 @@ class Observed:
         self._copies = _Copies()
         self._of_request: dict[Message, _Replies] = {}
         self._latencies: list[int] = []
+        self._times = 0
+        """The largest number of ns that divides all times."""
         self._masks: dict[tuple[Message, int], int] = {}
 
     @property
@@ -168,6 +172,11 @@ class Observed:
             else None
         )
 
+    @property
+    def resolution(self) -> int:
+        """The resolution of the times: the largest power of ten that divides all, at most 0.1 s."""
+        return next(power for power in _RESOLUTIONS if self._times % power == 0)
+
     def add(self, judged: DirectedFrame) -> None:
         """Counts the next frame."""
         assert judged.edition is not None
@@ -182,6 +191,7 @@ class Observed:
             self._certain += judged.decided_by in ("content", "id", "mark")
         if time is None:
             return
+        self._times = math.gcd(self._times, time)
         self._copies.add(judged, time, command)
         if judged.direction is not Direction.REPLY:
             return
@@ -206,6 +216,7 @@ class Observed:
     def behaviour(self, known: Behaviour) -> Behaviour:
         """The behaviour, with the copies and the constant old bits that are known already. Copies hide everything else."""
         copied = known.copied | self._copies.directions()
+        known = known._replace(resolution=self.resolution)
         if copied != known.copied:
             return known._replace(copied=copied)
         old = [*(bits for bits in known.old_bits if bits.value is not None), *self._old_bits()]

@@ -14,6 +14,7 @@ from ..semantics.decoder import Rejection
 from ..semantics.frame import CanFrame
 from .counter_gaps import CounterGaps
 from .directions import DecidedBy, DirectedFrame
+from .effects import FormEffects, NodeEffects, form_effects
 from .log_frame import new_tuple
 from .periods import Periods
 from .rows import MAX_FORMS, Cell, Row, RowForm
@@ -88,13 +89,14 @@ class NodeSummary:
 
 
 class _Counted:
-    """The frames of one form of rows, counted, and the node and the command that they belong to."""
+    """The frames of one form of rows, counted, and the node, the command and the effects that they belong to."""
 
-    __slots__ = ("command", "count", "node")
+    __slots__ = ("command", "count", "effects", "node")
 
-    def __init__(self, node: NodeSummary, command: Command | None) -> None:
+    def __init__(self, node: NodeSummary, command: Command | None, effects: FormEffects | None) -> None:
         self.node = node
         self.command = command
+        self.effects = effects
         self.count = 0
 
 
@@ -111,6 +113,8 @@ class Summary:
 
     def __init__(self) -> None:
         self.nodes: dict[tuple[str, int | None], NodeSummary] = {}
+        self.effects: dict[tuple[str, int | None], NodeEffects] = {}
+        """The effects of requests, also on nodes without frames in the log."""
         self.foreign: Counter[tuple[int, bool, bool]] = Counter()
         """Frames whose id has no message, by id; later ids of very many are counted as `other_foreign`.
 
@@ -154,6 +158,8 @@ class Summary:
             self._reject(counted.node, judged.rejection, frame)
         elif form.direction is Direction.REQUEST:
             self._request(counted, judged)
+            if counted.effects is not None:
+                self._add_effects(counted.effects, row)
         else:
             self._reply(counted, judged)
 
@@ -177,7 +183,7 @@ class Summary:
             node.commands[command.spec_name] = None
         for name in form.missing:
             node.without[name] = None
-        counted = self._forms[form] = _Counted(node, command)
+        counted = self._forms[form] = _Counted(node, command, form_effects(form, command))
         return counted
 
     def _add_counts(self) -> None:
@@ -211,6 +217,14 @@ class Summary:
             key = cells[at].column.name, limits
             known = node.implausible.setdefault(key, ImplausibleValues(limits, cells[at], frame))
             known.count += 1
+
+    def _add_effects(self, effects: FormEffects, row: Row) -> None:
+        """Of a broadcast, the effects are those on each node that replies to it."""
+        for node in effects.command.from_each or (row.form.node,):
+            place = row.form.bus, node
+            if place not in self.effects:
+                self.effects[place] = NodeEffects()
+            self.effects[place].add(effects, row.fields, row.judged.number)
 
     def _reject(self, node: NodeSummary, rejection: Rejection, frame: CanFrame) -> None:
         known = node.rejected.setdefault(rejection.reason, RejectedFrames(rejection, frame))

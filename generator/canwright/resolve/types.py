@@ -63,6 +63,7 @@ def bare_type(raw: RawFormat, order: Order, languages: Sequence[str], path: Docu
         enum=(),
         flags=(),
         no_values=(),
+        names=(),
         plausible=None,
         title=empty,
         about=empty,
@@ -100,6 +101,7 @@ class _TypeResolver:
             enum=tuple(self._member(*member) for member in (spec.enum or {}).items()),
             flags=tuple(self._member(*flag) for flag in (spec.flags or {}).items()),
             no_values=tuple(self._no_value(width, *no_value) for no_value in (spec.no_value or {}).items()),
+            names=tuple(self._member(*named) for named in (spec.names or {}).items()),
             plausible=self._plausible(spec, linear),
             title=titled(spec.title, name),
             about=spec.about,
@@ -107,7 +109,7 @@ class _TypeResolver:
             path=self.path,
         )
 
-    def _member(self, name: str, written: int | schema.MemberSpec | schema.FlagSpec) -> Member:
+    def _member(self, name: str, written: int | schema.NameSpec | schema.FlagSpec) -> Member:
         if isinstance(written, int):
             return Member(
                 name=name,
@@ -118,14 +120,12 @@ class _TypeResolver:
                 title=implied_title(name, self.edition.languages),
                 about=dict.fromkeys(self.edition.languages, ""),
             )
-        value, exempt = (
-            (written.bit, []) if isinstance(written, schema.FlagSpec) else (written.value, written.without_effects)
-        )
+        exempt = written.without_effects if isinstance(written, schema.MemberSpec) else ()
         return Member(
             name=name,
             renamed_from=written.renamed_from,
             deprecated=deprecation(written.deprecated),
-            value=value,
+            value=written.bit if isinstance(written, schema.FlagSpec) else written.value,
             without_effects=tuple(exempt),
             title=titled(written.title, name),
             about=written.about,

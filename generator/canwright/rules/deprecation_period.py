@@ -35,6 +35,7 @@ def _deprecations(subject: CheckInput) -> Iterator[tuple[DocumentPath, Deprecati
         by_path |= {(*type_.path, "enum", member.name): member.deprecated for member in type_.enum}
         by_path |= {(*type_.path, "flags", flag.name): flag.deprecated for flag in type_.flags}
         by_path |= {(*type_.path, "no_value", named.name): named.deprecated for named in type_.no_values}
+        by_path |= {(*type_.path, "names", named.name): named.deprecated for named in type_.names}
     return (((*path, "deprecated"), deprecation) for path, deprecation in by_path.items() if deprecation is not None)
 
 

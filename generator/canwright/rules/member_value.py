@@ -1,4 +1,4 @@
-"""The values of an enum and the bits of flags are distinct and fit the width of the type."""
+"""The values of an enum, named numbers and the bits of flags are distinct and fit the width of the type."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..language import aliases
 from ..model import formatting
 from ..model.types import Member, Range, Type
+from ..semantics.valid_raws import RawInterval, valid_raws
 from .rule import CheckInput, Finding, Findings, RelatedItem
 
 
@@ -13,6 +14,8 @@ def check(subject: CheckInput) -> Findings:
     for type_ in subject.edition.types:
         low, high = type_.raw_limits
         yield from _members(type_, "enum", type_.enum, low, high)
+        yield from _members(type_, "names", type_.names, low, high)
+        yield from _no_numbers(type_)
         yield from _members(type_, "flags", type_.flags, 0, type_.width - 1)
     for name, written in subject.spec.types.items():
         limits = written.raw_range
@@ -23,6 +26,21 @@ def check(subject: CheckInput) -> Findings:
             if not limits.low.constant <= number <= limits.high.constant:
                 text = f"{number} is outside {formatting.span(limits)}, the raw range"
                 yield Finding(("types", name, "enum", member), text, "check the value, and `raw_range`")
+
+
+def _no_numbers(type_: Type) -> Findings:
+    """Named numbers that are no number of the type under any parameters."""
+    numbers = [valid for _, valid in valid_raws(type_).distinct() if isinstance(valid, RawInterval)]
+    low, high = type_.raw_limits
+    for member in type_.names if type_.is_number else ():
+        path, no_value = (*type_.path, "names", member.name), type_.no_value(member.value)
+        if no_value is not None:
+            text = f"{member.value} has no value, since it is `{no_value.name}` of `no_value`"
+            yield Finding(path, text, "keep it in `names` if it is a number, in `no_value` if not")
+        elif low <= member.value <= high and not any(valid.low <= member.value <= valid.high for valid in numbers):
+            yield Finding(
+                path, f"{member.value} is outside the range of this type", "widen the range, or write it in `no_value`"
+            )
 
 
 def _members(type_: Type, key: str, members: tuple[Member, ...], low: int, high: int) -> Findings:

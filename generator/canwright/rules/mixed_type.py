@@ -5,10 +5,11 @@ from __future__ import annotations
 from ..model.types import Encoding
 from .rule import CheckInput, Finding, Findings
 
-_OF_NUMBERS = ("unit", "scale", "offset", "range", "plausible", "raw_range", "no_value")
+_OF_NUMBERS = ("unit", "scale", "offset", "range", "plausible", "raw_range", "no_value", "names")
 _HINTS = {
     "unit": "{}; named raw integers beside numbers are `no_value`",
     "no_value": "name these raw integers in `enum`, or {}",
+    "names": "name these raw integers in `enum`, or {}",
 }
 
 

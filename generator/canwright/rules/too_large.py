@@ -163,7 +163,7 @@ def _type(type_: Type) -> float:
 
 
 def _values(type_: Type) -> int:
-    return len(type_.enum) + len(type_.flags) + len(type_.no_values)
+    return len(type_.enum) + len(type_.flags) + len(type_.no_values) + len(type_.names)
 
 
 def _exemptions(command: Command) -> int:

@@ -65,8 +65,9 @@ def target(name: str) -> Target:
         raise TargetError(f"there is no target `{name}`; installed are: {', '.join(_installed()) or 'none'}")
     try:
         loaded = point.load()
-    except Exception as error:  # code of another package
-        raise TargetError(f"the target `{name}` of {_package(point)} cannot be loaded: {error}") from error
+    except (Exception, SystemExit) as error:  # code of another package
+        reason = f"it exits with {error.code}" if isinstance(error, SystemExit) else error
+        raise TargetError(f"the target `{name}` of {_package(point)} cannot be loaded: {reason}") from error
     if not isinstance(loaded, Target):
         raise TargetError(
             f"the target `{name}` of {_package(point)} is not an instance of canwright.Target; "

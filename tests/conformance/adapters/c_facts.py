@@ -258,6 +258,7 @@ class Facts:
             constants |= {names.upper(stem, member.name): member.value for member in type_.enum}
             constants |= {names.upper(stem, flag.name): 1 << flag.value for flag in type_.flags}
             constants |= {names.upper(stem, n.name): n.raws[-1] for n in type_.no_values}
+            constants |= {names.upper(stem, m.name): m.value for m in type_.names}
             constants |= {names.upper(stem, n.name, "first"): n.raws[0] for n in type_.no_values}
             linear = type_.linear.constant
             if linear is not None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cantools.database.can import Message, Signal
+from cantools.database.namedsignalvalue import NamedSignalValue
 from canwright.model.layout import Field
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, factors
@@ -64,6 +65,8 @@ class Cell:
         if self.field.type.flags:
             return [flag for signal, _, flag in self.signals if flag and shown[signal.name]]
         value = shown[self.signal.name]
+        if isinstance(value, NamedSignalValue) and str(value) == self.field.type.name_of(int(value.value)):
+            value = self.signal.conversion.raw_to_scaled(value.value, decode_choices=False)
         if self.field.type.enum:
             return None if isinstance(value, (int, float)) else str(value)
         if self.field.type.no_values and not isinstance(value, (int, float)):

@@ -48,7 +48,7 @@ def of_fields(aspect: Aspect, fields: Iterable[Field], members: Iterable[str] = 
 
 def _named(type_: Type) -> Iterator[tuple[str, tuple[Member, ...]]]:
     """The members of a type, by the key of the language."""
-    yield from (("enum", type_.enum), ("flags", type_.flags), ("no_value", type_.no_values))
+    yield from (("enum", type_.enum), ("flags", type_.flags), ("no_value", type_.no_values), ("names", type_.names))
 
 
 def _of_type(field: Field) -> Iterator[DocumentPath]:

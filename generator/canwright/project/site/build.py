@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import io
 import json
+import os
 import shlex
 import subprocess
 import sys
@@ -56,7 +57,8 @@ def build(docs: Path, site: Path, handover: Path | None = None, *, force: bool =
     `site`. `force` overwrites only pages that were edited by hand.
     """
     refuse_occupied(site, (_TARGET,))
-    if docs.resolve() in (site.resolve(), *site.resolve().parents):
+    actual = Path(os.path.realpath(site))
+    if docs.resolve() in (actual, *actual.parents):
         raise SiteError(f"{site.as_posix()} contains the pages; write another folder with --out")
     languages = [name for name in LANGUAGES if (docs / name / "index.md").is_file()]
     if not languages or not (docs / DATA).is_file():

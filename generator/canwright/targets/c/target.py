@@ -93,8 +93,8 @@ def _names(names: Names, edition: Edition) -> Iterator[Exported]:
             yield from ((address.path, function) for function in functions)
     for type_ in (t for t in edition.types if t.path[0] == "types"):
         stem = names.type_stem(type_)
-        key = "enum" if type_.enum else "flags"
-        members = {names.upper(stem, m.name): (*type_.path, key, m.name) for m in (*type_.enum, *type_.flags)}
+        by_key = (("enum", type_.enum), ("flags", type_.flags), ("names", type_.names))
+        members = {names.upper(stem, m.name): (*type_.path, key, m.name) for key, named in by_key for m in named}
         if view.has(type_):
             yield from ((members.get(name, type_.path), name) for name in _type(view.type(type_)))
     for layout in layouts(edition):

@@ -199,7 +199,7 @@ def _scale(names: Names, type_: Type) -> Iterator[MacroView]:
 
 
 def _members(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
-    for m in type_.enum:
+    for m in (*type_.enum, *type_.names):
         doc = with_deprecation(english(m.title), m.deprecated)
         yield MacroView(names.upper(names.type_stem(type_), m.name), _parenthesised(kind.literal(m.value)), doc)
     for n in type_.no_values:

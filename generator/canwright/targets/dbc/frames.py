@@ -217,7 +217,9 @@ def _leaves_values(message: Message, selectors: Sequence[tuple[tuple[Key, int], 
 def is_shown_by(field: Field, selector: Sequence[Segment]) -> bool:
     """Whether a field is the number in the bits of a selector."""
     type_ = field.type
-    is_plain = type_.is_plain and type_.encoding is Encoding.UNSIGNED and not type_.no_values and not type_.unit
+    is_plain = (
+        type_.is_plain and type_.encoding is Encoding.UNSIGNED and not (type_.no_values or type_.names or type_.unit)
+    )
     return field.role.is_value and is_plain and [e.segments for e in field.elements] == [tuple(selector)]
 
 

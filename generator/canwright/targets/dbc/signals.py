@@ -193,7 +193,7 @@ class Signals:
             title if is_included else comments.labelled(title, which),
             comments.deprecation(field.deprecated),
             comments.of(field.about) or comments.of(type_.about),
-            *(comments.deprecation(m.deprecated, m.name) for m in (*type_.enum, *type_.no_values)),
+            *(comments.deprecation(m.deprecated, m.name) for m in (*type_.enum, *type_.no_values, *type_.names)),
             *(comments.fixed("nan", means=no_value.name) for no_value in type_.no_values if no_value.is_nan),
             reading.step,
             comments.in_manual(field.manual_name),
@@ -222,7 +222,8 @@ class Signals:
         else:
             no_values = [no_value for no_value in type_.no_values if not no_value.is_nan]
             named = [(raw, no_value.name) for no_value in no_values for raw in _listed(no_value.raws)]
-            values = tuple(sorted((*((member.value, member.name) for member in type_.enum), *named)))
+            members = ((member.value, member.name) for member in (*type_.enum, *type_.names))
+            values = tuple(sorted((*members, *named)))
             yield signal._replace(comment=comments.sentences(sentences), values=values)
 
     def _parts(

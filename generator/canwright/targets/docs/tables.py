@@ -124,14 +124,16 @@ def _computed(field: Field, labels: Labels) -> str:
 
 def _members(type_: Type, labels: Labels) -> str:
     """The names of values or bits if there are few: `0` `on` · `16` `off`."""
+    without = ""
     if type_.no_values:
         named = " · ".join(f"{code(formatting.no_value(n))} {code(n.name)}" for n in type_.no_values[:MAX_MEMBERS])
-        return f"<br>{labels['no_value']}{labels['colon']}{named}"
-    members = type_.enum or type_.flags
+        without = f"<br>{labels['no_value']}{labels['colon']}{named}"
+    members = type_.enum or type_.flags or type_.names
     if not members or len(members) > MAX_MEMBERS:
-        return ""
+        return without
     listed = " · ".join(f"{code(str(member.value))} {code(member.name)}" for member in members)
-    return f"<br>{labels['bits'] if type_.flags else ''}{listed}"
+    label = labels["bits"] if type_.flags else labels["named"] + labels["colon"] if type_.names else ""
+    return f"{without}<br>{label}{listed}"
 
 
 def _in_manual(field: Field, layout: Layout, command: Command, labels: Labels) -> str:

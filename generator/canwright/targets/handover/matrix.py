@@ -217,7 +217,7 @@ class _Rows:
             meaning=self._labels["semicolon"].join(filter(None, meaning)),
             fixed=_sent(field.role),
             values=self._labels["semicolon"].join(
-                self._member(type_, member) for member in (*type_.enum, *type_.flags, *type_.no_values)
+                self._member(type_, member) for member in (*type_.enum, *type_.flags, *type_.no_values, *type_.names)
             ),
             manual=self._shown.section(field.manual or self._command.manual),
             manual_name=field.manual_name,

@@ -366,11 +366,12 @@ local function shown_value(decoded)
     if decoded.no_value then
         return decoded.no_value .. " (" .. shown_integer(decoded) .. ")"
     end
+    local name = decoded.name_of_number and " (" .. decoded.name_of_number .. ")" or ""
     if decoded.value == nil then
-        return "raw " .. shown_integer(decoded)
+        return "raw " .. shown_integer(decoded) .. name
     end
     local text = type_.plain and shown_integer(decoded) or shown_number(decoded.value)
-    return type_.unit and text .. " " .. type_.unit or text
+    return (type_.unit and text .. " " .. type_.unit or text) .. name
 end
 
 local function label_of(decoded)
