@@ -32,7 +32,7 @@ export class Numbering {
 
   /** The message to send: the first of its command and node as it is, each further one with the next counters. */
   next(message) {
-    const { direction, command, node, parameters } = message;
+    const { direction, command, node, code, parameters } = message;
     const { fields } = this.#edition.MESSAGES.find((known) => known.direction === direction && known.command === command);
     const counters = fields.filter((field) => field.counter !== null && own(message.raw, field.name) !== undefined);
     if (!counters.length) {
@@ -45,7 +45,7 @@ export class Numbering {
       raw[name] = nextCount(counter, Number(sent[name]));
     }
     const encode = direction === "request" ? this.#edition.encodeRequest : this.#edition.encodeReply;
-    const numbered = encode(command, { node: node ?? undefined, raw, parameters });
+    const numbered = encode(command, { node: node ?? undefined, raw, code, parameters });
     this.#sent.set(key, { ...sent, ...Object.fromEntries(counters.map(({ name }) => [name, numbered.raw[name]])) });
     return numbered;
   }

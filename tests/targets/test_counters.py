@@ -92,6 +92,38 @@ def test_a_sender_numbers_its_messages_in_javascript(tmp_path: Path) -> None:
     assert data[6] == 3
 
 
+WITH_CODES = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+selector: {at: 0, raw: u8}
+commands:
+  beat: {code: 3, manual: "1", request: none, reply: {accept: [4], layout: {count: {at: 1, raw: u8, counter: 0..255}}}}
+"""
+
+
+def test_numbered_messages_keep_their_code(tmp_path: Path) -> None:
+    (tmp_path / "v1.yaml").write_text(WITH_CODES, "utf-8")
+    item = specification(tmp_path / "v1.yaml")
+    folder = write_files(JavaScriptTarget().generate([item], {}), tmp_path / "javascript")
+    script = """
+        import { Numbering } from "./canwright-codec.js";
+        import * as edition from "./lamp/v1.js";
+        const numbering = new Numbering(edition);
+        const beat = edition.decodeReply({ id: 0x101, data: [4, 7, 0, 0, 0, 0, 0, 0] });
+        console.log(JSON.stringify([beat, beat].map((message) => numbering.next(message).frame.data.slice(0, 2))));
+    """
+    program = folder / "program.mjs"
+    program.write_text(script, "utf-8")
+    assert json.loads(run(program)) == [[4, 7], [4, 8]]
+    edition, nodes = modules.load(
+        write_files(PythonTarget().generate([item], {}), tmp_path / "python"), "lamp.v1", "lamp.nodes"
+    )
+    beat, numbering = edition.decode_reply(0x101, bytes.fromhex("0407000000000000")), nodes.Numbering()
+    assert [numbering.next(beat).encode()[:2].hex() for _ in range(2)] == ["0407", "0408"]
+
+
 def test_a_client_numbers_its_messages_in_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each message by itself, from the counter that the program gives; a refused message has no number."""
     folder = write_files(PythonTarget().generate([specification(CHASSIS)], {}), tmp_path)
