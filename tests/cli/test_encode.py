@@ -11,7 +11,7 @@ from canwright.model import formatting
 from canwright.model.golden_frames import GoldenFrame, Value
 from canwright.model.message import Direction
 from canwright.project.loader import load
-from canwright.semantics.frame import CanFrame, has_usual_code
+from canwright.targets.examples import is_usual
 from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, SPECS
@@ -65,14 +65,8 @@ def test_golden_frames_are_encoded_from_their_values(spec: Path) -> None:
         (direction, command.name): message
         for command in edition.commands
         for direction, message in ((Direction.REQUEST, command.request), (Direction.REPLY, command.reply))
-        if message is not None
     }
-    frames = [
-        frame
-        for frame in golden.frames
-        if not frame.decode_only
-        and has_usual_code(messages[frame.direction, frame.command], CanFrame(frame.id, frame.data, frame.extended))
-    ]
+    frames = [frame for frame in golden.frames if is_usual(messages.get((frame.direction, frame.command)), frame)]
     for frame in frames[:: max(1, len(frames) // FRAMES_OF_A_SPEC)]:
         result = run(*arguments_of(frame), f"--spec={spec}")
         assert (result.exit_code, result.stdout.split()[-1:]) == (0, [formatting.sent(frame)]), result.output

@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 
 import click
 
-from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, near
+from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, near, nearest
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import counted
 from ..output.new_files import write_new
@@ -119,6 +119,16 @@ def read(specs: Sequence[Path], printer: str = "text", *, packaged: bool = False
     If `packaged`, the editions in the package are the default where there is no spec.
     """
     return [item.specification for item in load(or_packaged(specs) if packaged else specs, printer, for_output=False)]
+
+
+def of_edition(specifications: Sequence[EditionInput], name: str | None) -> Sequence[EditionInput]:
+    """Those of the edition with this name, or all without one. Stops if there is none."""
+    if name is None:
+        return specifications
+    names = [item.edition.name for item in specifications]
+    if name not in names:
+        stop(f"there is no edition `{name}`; {nearest(name, names) or 'run `canwright editions` for a list'}")
+    return [item for item in specifications if item.edition.name == name]
 
 
 def or_packaged(specs: Sequence[Path]) -> Sequence[Path]:

@@ -291,7 +291,7 @@ def _print(
     window: float | None,
     recorder: Direction,
 ) -> bool:
-    """Prints rows, summary and remarks of a log. Returns whether there is nothing to complain about."""
+    """Prints rows, summary and remarks of a log. Returns whether it has no findings."""
     _check_fields(outputs.fields, nodes.family)
     directions = Directions(
         nodes.editions,

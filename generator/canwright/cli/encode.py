@@ -26,7 +26,7 @@ from ..semantics.decoder import Rejection, linear_of
 from ..semantics.encoder import SPECIAL, Encoder
 from ..semantics.frame import CanFrame, Raw
 from .command_view import find
-from .common import FINDINGS, read, spec_option, stop
+from .common import FINDINGS, of_edition, read, spec_option, stop
 from .explain_view import edition_names, meaning_text
 from .settings import assignment, known_values
 from .terminal import print_text
@@ -71,12 +71,8 @@ def encode(
     """
     specifications = read(specs, packaged=True)
     given = assignment(specifications, settings)
-    if edition is not None:
-        names = [item.edition.name for item in specifications]
-        specifications = [item for item in specifications if item.edition.name == edition]
-        if not specifications:
-            stop(f"there is no edition `{edition}`; {nearest(edition, names) or 'run `canwright editions` for a list'}")
-    pairs, hint = find([configured(item.edition, given) for item in specifications], command)
+    chosen = of_edition(specifications, edition)
+    pairs, hint = find([configured(item.edition, given) for item in chosen], command)
     if not pairs:
         stop(f"there is no command `{command}`; {hint}")
     direction = Direction.REPLY if reply else Direction.REQUEST

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..diagnostics.diagnostic import nearest
-from .common import read, spec_option, stop
+from .common import of_edition, read, spec_option, stop
 from .terminal import print_text
 
 
@@ -27,13 +26,7 @@ def show(command: str, specs: Sequence[Path], edition: str | None, lang: str) ->
     """
     from .command_view import command_text, find
 
-    specifications = read(specs, packaged=True)
-    if edition is not None:
-        names = [item.edition.name for item in specifications]
-        specifications = [item for item in specifications if item.edition.name == edition]
-        if not specifications:
-            hint = nearest(edition, names) or "run `canwright editions` for a list"
-            stop(f"there is no edition `{edition}`; {hint}")
+    specifications = of_edition(read(specs, packaged=True), edition)
     pairs, hint = find([item.edition for item in specifications], command)
     if not pairs:
         stop(f"there is no command `{command}`; {hint}")

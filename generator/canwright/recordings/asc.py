@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 
-from .lines import frames_of, octets
-from .log_frame import Counts, LogFrame, Mark, SkippedPart, log_frame
+from .lines import SECONDS, decimal, frames_of, octets
+from .log_frame import MARKS, MAX_CLASSIC_BYTES, Counts, LogFrame, SkippedPart, log_frame
 
 _BASE = re.compile(r"\s*base\s+(hex|dec)(?:\s+timestamps\s+(\w+))?", re.IGNORECASE)
-_TIME = re.compile(r"\s*(\d{1,18})\.(\d{1,18})\s", re.ASCII)
+_TIME = re.compile(r"\s*(\d{1,18}\.\d{1,18})\s", re.ASCII)
 _FRAME = re.compile(
     r"(?P<bus>\d{1,9})\s+(?P<id>[\da-f]{1,10})(?P<extended>x?)\s+(?P<mark>Rx|Tx)\s+"
     r"(?:(?P<remote>r)\b.*|d\s+(?P<length>[\da-f]{1,2})(?P<data>(?:\s+[\da-f]{1,3}(?=\s|$))*).*)",
@@ -24,9 +24,6 @@ _ERROR = re.compile(r"(CANFD\s+)?\d+\s+(\w+\s+)?ErrorFrame\b", re.IGNORECASE)
 _EVENT = re.compile(r"\d+\s+(\w+:(?!.*\s(Rx|Tx)\s)|\w+\s+TxRq\s)")
 """An event on a channel, such as `Statistic:`, or the request of a frame that is sent later."""
 _LIKE_A_FRAME = re.compile(r"(\d+|CANFD)\s")
-_CLASSIC_LENGTH = 8
-"""The data bytes of a classic frame whose code of the length is greater."""
-_MARKS = {"rx": Mark.RECEIVED, "tx": Mark.SENT}
 
 
 def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
@@ -51,7 +48,7 @@ class _Asc:
                 self._base = 10 if base[1].lower() == "dec" else 16
                 self._is_relative = (base[2] or "").lower() == "relative"
             return SkippedPart.OTHER
-        time = int(stamp[1]) * 1_000_000_000 + int(stamp[2][:9].ljust(9, "0"))
+        time = decimal(stamp[1], SECONDS)
         if self._is_relative:
             time += self._time
         self._time = time
@@ -74,13 +71,13 @@ class _Asc:
                 remote = length == 0 and int(fields["code"], self._base) != 0
             else:
                 remote = fields["remote"] is not None
-                length = 0 if remote else min(_CLASSIC_LENGTH, int(fields["length"], self._base))
+                length = 0 if remote else min(MAX_CLASSIC_BYTES, int(fields["length"], self._base))
         except ValueError:
             return SkippedPart.MALFORMED
         data = octets(fields["data"] or "", length, line, self._base)
         if data is None:
             return SkippedPart.MALFORMED
-        mark = _MARKS[fields["mark"].lower()]
+        mark = MARKS[fields["mark"].lower()]
         return log_frame(
             time, str(int(fields["bus"])), id_, data, mark, extended=bool(fields["extended"]), remote=remote
         )

@@ -6,18 +6,17 @@ import re
 from collections.abc import Iterable, Iterator
 
 from .lines import frames_of, octets
-from .log_frame import Counts, LogFrame, Mark, SkippedPart, log_frame
+from .log_frame import MARKS, Counts, LogFrame, SkippedPart, log_frame
 
 START = "***BUSMASTER"
 _FRAME = re.compile(
-    r"\s*(?P<time>\d{1,9}:\d\d:\d\d:\d{4})\s+(?P<mark>[RT])x\s+(?P<bus>\d{1,3})\s+(?:0x)?(?P<id>[\da-f]{1,10})\s+"
+    r"\s*(?P<time>\d{1,9}:\d\d:\d\d:\d{4})\s+(?P<mark>[RT]x)\s+(?P<bus>\d{1,3})\s+(?:0x)?(?P<id>[\da-f]{1,10})\s+"
     r"(?P<type>[sx])(?P<remote>r?)(?:-?fd)?\s+(?P<length>\d{1,2})(?P<data>(?:\s+[\da-f]{1,3}(?=\s|$))*)\s*",
     re.ASCII | re.IGNORECASE,
 )
 _ERROR = re.compile(r"\s*\d+:\d\d:\d\d:\d+\s.*\bERR", re.ASCII | re.IGNORECASE)
 _TICK = 100_000
 """The last digits of a time count tenths of a millisecond."""
-_MARKS = {"r": Mark.RECEIVED, "t": Mark.SENT}
 
 
 def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
@@ -61,7 +60,7 @@ class _Busmaster:
         data = b"" if remote else octets(match["data"], int(match["length"]), line, self._base)
         if data is None:
             return SkippedPart.MALFORMED
-        mark = _MARKS[match["mark"].lower()]
+        mark = MARKS[match["mark"].lower()]
         return log_frame(
             self._time, match["bus"], id_, data, mark, extended=match["type"].lower() == "x", remote=remote
         )

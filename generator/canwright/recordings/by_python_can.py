@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, BinaryIO, cast
 
-from .log_frame import Counts, LogFrame, Mark, SkippedPart, log_frame
+from .log_frame import Counts, LogFrame, Mark, SkippedPart, log_frame, nanoseconds
 from .packages import require
 
 if TYPE_CHECKING:
@@ -83,8 +83,7 @@ def _recorded(form: str, message: can.Message) -> LogFrame | SkippedPart:
     if isinstance(bus, int):
         bus += _FIRST_BUS.get(form, 0)
     return log_frame(
-        # A float of seconds since the epoch is exact to less than a microsecond.
-        round(message.timestamp * 1e6) * 1_000,
+        nanoseconds(message.timestamp),
         "" if bus is None else str(bus),
         message.arbitration_id,
         bytes(message.data),

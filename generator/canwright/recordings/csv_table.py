@@ -8,7 +8,7 @@ from binascii import Error
 from collections.abc import Iterable, Iterator
 
 from .lines import frames_of
-from .log_frame import Counts, LogFrame, SkippedPart, log_frame
+from .log_frame import Counts, LogFrame, SkippedPart, log_frame, nanoseconds
 
 START = "timestamp,arbitration_id"
 _FRAME = re.compile(
@@ -36,6 +36,5 @@ def _read(line: str) -> LogFrame | SkippedPart:
         return SkippedPart.MALFORMED
     if not remote and len(data) != int(match["length"]):
         return SkippedPart.MALFORMED
-    # A float of seconds since the epoch is exact to less than a microsecond.
-    time = round(float(match["time"]) * 1e6) * 1_000
+    time = nanoseconds(float(match["time"]))
     return log_frame(time, "", int(match["id"], 16), data, None, extended=match["extended"] == "1", remote=remote)

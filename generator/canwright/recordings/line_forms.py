@@ -6,12 +6,9 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
-from .lines import frames_of
+from .lines import MILLISECONDS, SECONDS, decimal, frames_of
 from .log_frame import Counts, LogFrame, Mark, SkippedPart, log_frame
 
-SECONDS = 9
-MILLISECONDS = 6
-"""The decimal digits of a unit of time in nanoseconds."""
 _MARKS = {"r": Mark.RECEIVED, "t": Mark.SENT}
 
 
@@ -104,9 +101,3 @@ def read_line(form: LineForm, line: str) -> LogFrame | SkippedPart:
         extended=fields["id"] is None,
         remote=remote,
     )
-
-
-def decimal(written: str, digits: int) -> int:
-    """A decimal number in units of its digit `digits` after the point; further ones are dropped."""
-    whole, _, fraction = written.partition(".")
-    return int(whole + fraction[:digits].ljust(digits, "0"))

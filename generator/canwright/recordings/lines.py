@@ -10,6 +10,17 @@ Read = Callable[[str], LogFrame | SkippedPart]
 """The frame on a line, or what the line is instead."""
 
 
+SECONDS = 9
+MILLISECONDS = 6
+"""The decimal digits of a unit of time in nanoseconds."""
+
+
+def decimal(written: str, digits: int) -> int:
+    """A decimal number in units of its digit `digits` after the point; further ones are dropped."""
+    whole, _, fraction = written.partition(".")
+    return int(whole + fraction[:digits].ljust(digits, "0"))
+
+
 def frames_of(
     lines: Iterable[str], read: Read, counts: Counts, *, start: int = 1, are_timed: bool = True
 ) -> Iterator[LogFrame]:

@@ -8,6 +8,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from ..model.layout import MAX_DATA_BYTES
+from ..model.metadata import FrameFormat
 from ..semantics.frame import CanFrame
 from ..targets.columns.runtime._candump import MAX_ID, MAX_SECONDS, SkippedPart as SkippedPart
 
@@ -15,6 +16,8 @@ new_tuple = tuple.__new__
 """Makes a NamedTuple in half of the time."""
 FD_LENGTHS = dict(zip(range(9, 16), (12, 16, 20, 24, 32, 48, 64), strict=True))
 """The data bytes of frames of CAN FD, by the codes of the length that are not the number itself."""
+MAX_CLASSIC_BYTES = FrameFormat.CLASSIC.max_data_bytes
+"""The data bytes of a classic frame whose code of the length is greater."""
 _MAX_TIME = (MAX_SECONDS + 1) * 1_000_000_000
 
 
@@ -36,6 +39,15 @@ class LogFrame(NamedTuple):
     bus: str
     frame: CanFrame
     mark: Mark | None
+
+
+MARKS = {"rx": Mark.RECEIVED, "tx": Mark.SENT}
+"""Marks as most formats write them, in lower case."""
+
+
+def nanoseconds(seconds: float) -> int:
+    """A time of a float of seconds, which since the epoch is exact to less than a microsecond."""
+    return round(seconds * 1e6) * 1_000
 
 
 def log_frame(

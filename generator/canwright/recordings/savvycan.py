@@ -7,11 +7,10 @@ from collections.abc import Iterable, Iterator
 
 from ..model.layout import MAX_DATA_BYTES
 from .lines import frames_of, octets
-from .log_frame import Counts, LogError, LogFrame, Mark, SkippedPart, log_frame
+from .log_frame import MARKS, Counts, LogError, LogFrame, SkippedPart, log_frame
 
 START = "Time Stamp,ID,Extended"
 _NEEDED = ("Time Stamp", "ID", "Extended", "LEN")
-_MARKS = {"rx": Mark.RECEIVED, "tx": Mark.SENT}
 _NUMBER = re.compile(r"-?\d{1,30}", re.ASCII)
 _ID = re.compile(r"(0x)?[\da-f]{1,16}", re.ASCII | re.IGNORECASE)
 _BYTE = re.compile(r"[\da-f]{1,2}", re.ASCII | re.IGNORECASE)
@@ -46,7 +45,7 @@ class _Table:
             written, id_, time = (cells[columns[name]] for name in ("LEN", "ID", "Time Stamp"))
             extended = cells[columns["Extended"]].lower() == "true"
             bus = cells[columns["Bus"]] if "Bus" in columns else ""
-            mark = _MARKS.get(cells[columns["Dir"]].lower()) if "Dir" in columns else None
+            mark = MARKS.get(cells[columns["Dir"]].lower()) if "Dir" in columns else None
         except IndexError:
             return SkippedPart.MALFORMED
         if not (_NUMBER.fullmatch(written) and _NUMBER.fullmatch(time) and _ID.fullmatch(id_)):

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 
 from .lines import frames_of
-from .log_frame import FD_LENGTHS, Counts, LogFrame, SkippedPart, log_frame
+from .log_frame import FD_LENGTHS, MAX_CLASSIC_BYTES, Counts, LogFrame, SkippedPart, log_frame
 
 FRAME = re.compile(
     r"(?:[tdbr](?P<id>[\dA-F]{3})|[TDBR](?P<long>[\dA-F]{8}))(?P<length>[\dA-F])(?P<data>(?:[\dA-F]{2})*)",
@@ -17,7 +17,6 @@ _OTHER = re.compile(r"[zZ]*|[OCLSVNFMmXQW][\dA-F]*", re.ASCII)
 """Commands to an adapter, and its answers."""
 _ERROR_ANSWER = "\x07"
 _MINUTE = 60_000
-_CLASSIC_LENGTH = 8
 
 
 def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
@@ -40,7 +39,7 @@ class _Slcan:
         code, content = int(match["length"], 16), bytes.fromhex(match["data"])
         kind = written[0].lower()
         remote = kind == "r"
-        length = 0 if remote else FD_LENGTHS.get(code, code) if kind in "db" else min(_CLASSIC_LENGTH, code)
+        length = 0 if remote else FD_LENGTHS.get(code, code) if kind in "db" else min(MAX_CLASSIC_BYTES, code)
         if len(content) not in (length, length + 2):
             return SkippedPart.MALFORMED
         time = None

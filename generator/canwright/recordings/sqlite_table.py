@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from .log_frame import Counts, LogError, LogFrame, SkippedPart, log_frame
+from .log_frame import Counts, LogError, LogFrame, SkippedPart, log_frame, nanoseconds
 
 MAGIC = b"SQLite format 3\0"
 _SELECTED = "SELECT ts, arbitration_id, extended, remote, error, data FROM messages"
@@ -46,5 +46,4 @@ def _frame(
         isinstance(id_, int) and isinstance(content, bytes) and isinstance(time, (int, float)) and abs(time) < 1e18
     ):
         return SkippedPart.MALFORMED
-    # A float of seconds since the epoch is exact to less than a microsecond.
-    return log_frame(round(time * 1e6) * 1_000, "", id_, content, None, extended=bool(extended), remote=bool(remote))
+    return log_frame(nanoseconds(time), "", id_, content, None, extended=bool(extended), remote=bool(remote))

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from .lines import frames_of, octets
-from .log_frame import FD_LENGTHS, Counts, LogFrame, Mark, SkippedPart, log_frame
+from .lines import MILLISECONDS, decimal, frames_of, octets
+from .log_frame import FD_LENGTHS, MARKS, MAX_CLASSIC_BYTES, Counts, LogFrame, SkippedPart, log_frame
 
 _COLUMNS = ";$COLUMNS="
 _START = re.compile(r";\$STARTTIME=(\d{1,7}(?:[.,]\d{1,18})?)\s", re.ASCII)
@@ -30,7 +30,6 @@ _STATUS_ID = "FFFFFFFF"
 _ERROR = re.compile(r"\s*\d+\)?\s+[\d.,]+\s+(\d+\s+)?(ERROR|Error|Warng|ER|STATUS|ST)\b")
 _FRAME_TYPES = ("DT", "FD", "FB", "FE", "BI", "RR")
 _EVENT_TYPE = "EV"
-_MARKS = {"rx": Mark.RECEIVED, "tx": Mark.SENT}
 
 
 def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
@@ -86,7 +85,7 @@ class _Trc:
             bus = cells[at["B"]] if "B" in at else None
             remote = kind == "RR"
             if "l" not in at:
-                length = FD_LENGTHS.get(length, length) if kind != "DT" else min(8, length)
+                length = FD_LENGTHS.get(length, length) if kind != "DT" else min(MAX_CLASSIC_BYTES, length)
             data = b"" if remote else octets(cells[at["D"]] if length else "", length, line)
         except (KeyError, IndexError, ValueError):
             return SkippedPart.MALFORMED
@@ -99,14 +98,12 @@ class _Trc:
     ) -> LogFrame | SkippedPart:
         if data is None:
             return SkippedPart.MALFORMED
-        whole, _, fraction = time.replace(",", ".").partition(".")
-        since = int(whole) * 1_000_000 + int(fraction[:6].ljust(6, "0"))
         return log_frame(
-            self._start + since,
+            self._start + decimal(time.replace(",", "."), MILLISECONDS),
             bus or "1",
             int(id_, 16),
             data,
-            _MARKS.get(mark.lower()),
+            MARKS.get(mark.lower()),
             extended=len(id_) > 4,
             remote=remote,
         )

@@ -27,7 +27,7 @@ MAX_TRIED = 12
 
 
 def is_usual(message: Message | None, frame: GoldenFrame) -> bool:
-    """Whether an encoder writes a frame of a message without being told its code."""
+    """Whether an encoder writes a frame of a message without an explicit code."""
     can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
     return message is not None and not frame.decode_only and has_usual_code(message, can)
 
