@@ -969,6 +969,10 @@ class Message:
     """Of a read: whether the frame of its reply always differs from that of the request."""
     REPLY_WITHIN_MS: ClassVar[float | None] = None
     """The longest time to its reply, if that of the edition does not apply."""
+    STATES: ClassVar[Mapping[str, str]] = {}
+    """The variables of a node that the fields of a request write, and those that the fields of a reply read under another name."""
+    PLAUSIBLE: ClassVar[Mapping[str, int]] = {}
+    """Raw integers that a working node can send in the fields of a reply where 0 is implausible."""
     LIMITED_BY: ClassVar[tuple[str, ...]] = ()
     """The settings of the host that limit it."""
     ONLY: ClassVar[Mapping[str, tuple[object, ...]]] = {}
@@ -1266,7 +1270,7 @@ class Request(Message, Generic[R]):
 
 
 class ClientFacts(NamedTuple):
-    """What a client knows of an edition besides its frames."""
+    """What a client and a simulation know of an edition besides its frames."""
 
     effects: Mapping[str, tuple[str, str, bool]]
     """Title and consent of each effect, and whether a command with it can be sent again."""
@@ -1274,6 +1278,12 @@ class ClientFacts(NamedTuple):
     """Requests without values and effects, each with one reply from its node."""
     ends_motion: Mapping[str, type[Request[Any]]]
     """The requests that `stop` a node and `switch_off` one."""
+    states: Mapping[str, tuple[tuple[type[Request[Any]], ...], tuple[str, ...], Mapping[str, int]]]
+    """The states of a node, the one after power-up first: the requests that lead to each, the effects that it prevents, and
+    the variables that contain it, with their raw integers.
+    """
+    cyclic: tuple[type[Message], ...]
+    """The replies that a node sends without a request, every `EVERY_MS`."""
     answers_in_order: bool
     """Whether a node answers in the order of the requests; False if that is unknown."""
 
