@@ -1175,6 +1175,20 @@ class Message:
         names = {name: self.TYPES[name].no_value(raw) for name, raw in self.raw().items()}
         return {name: named for name, named in names.items() if named is not None}
 
+    def out_of_range(self) -> dict[str, str]:
+        """The fields whose raw integers are outside their range, or have no name in their enum or flags, each with the reason.
+
+        Only a decoded message can have any: decoding accepts every value, `encode` and constructors reject these.
+        """
+        reasons: dict[str, str] = {}
+        for name, raw in () if self._checked else self.raw().items():
+            try:
+                self.TYPES[name].check(raw, self._parameters, name)
+            except CodecError as error:
+                if error.refusal in (Refusal.OUT_OF_RANGE, Refusal.NOT_FINITE):
+                    reasons[name] = str(error)
+        return reasons
+
     def _places(self) -> tuple[str | None, ...]:
         """The field of each raw integer under the parameters. Raises CodecError (missing_parameter)."""
         if not self.VARIANT_BY:
@@ -1239,6 +1253,8 @@ class Message:
                 parts.append(f"{name}={(named if isinstance(named, str) else value)!r}")
             except CodecError:
                 parts.append(f"{name}_raw={raw!r}")
+        if outside := self.out_of_range():
+            parts.append(f"out_of_range={tuple(outside)}")
         if any(getattr(self._parameters, name) is not None for name in self.DEPENDS):
             parts.append(f"parameters={shown_parameters(self._parameters, self.DEPENDS)}")
         return f"{type(self).__name__}({', '.join(parts)})"
