@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from canwright.conformance.runner import Failure, Report
+from canwright.conformance.runner import REASONS, Failure, Report
 
 from .adapters import ADAPTERS
 
@@ -70,7 +70,3 @@ def table(reports: Iterable[Report]) -> Iterator[str]:
     for (target, name), count in sorted(cases.items()):
         reason = ADAPTERS[target].cannot.get(name, REASONS.get(name, ""))
         yield f"{target:<11}{name:<20}{count:>7}{editions[target, name]:>10}  {reason}"
-
-
-REASONS = {"beyond_double": "no double represents the value exactly, so it is only decoded"}
-"""What no target can express."""

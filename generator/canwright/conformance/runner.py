@@ -212,6 +212,10 @@ class Runner:
         return "" if says is entry.says else f"{_reason(says)}, not {_reason(entry.says)}"
 
 
+REASONS = {"beyond_double": "no double represents the value exactly, so it is only decoded"}
+"""What no target can express."""
+
+
 def _can(entry: GoldenFrame | RefusedFrame | CheckedFrame) -> CanFrame:
     return CanFrame(entry.id, entry.data, entry.extended, entry.remote)
 
