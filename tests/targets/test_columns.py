@@ -20,6 +20,8 @@ from typing import TYPE_CHECKING, Any
 import can
 import numpy as np
 import pytest
+from canwright.conformance.adapter import write_files
+from canwright.conformance.modules import load
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.project.loader import specification
 from canwright.recordings.readers import open_log
@@ -28,8 +30,6 @@ from canwright.targets.columns.target import TARGET
 from canwright.targets.columns.view import columns_of, tables_of
 from canwright.targets.options import Options
 
-from ..conformance.adapter import write_files
-from ..conformance.adapters.modules import load
 from ..spec_texts import MINIMAL, ROOT, edition
 from ..tools import tool
 from ..untrusted.everything import filled

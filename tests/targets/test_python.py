@@ -12,12 +12,12 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from canwright.conformance.python import load
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets.python.target import PythonTarget
 from canwright.targets.python.text import class_name
 
-from ..conformance.adapters.python import load
 from ..spec_texts import MINIMAL, ROOT, SPECS
 
 SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"

@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from canwright.conformance.python import PythonAdapter, load
 from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction, Message
@@ -23,7 +24,6 @@ from canwright.semantics.encoder import Encoder, Encoders
 from canwright.semantics.frame import CanFrame
 from canwright.targets.python.text import attribute, class_name
 
-from ..conformance.adapters.python import PythonAdapter, load
 from ..semantics.random_frames import random_frames
 from ..spec_texts import MINIMAL, SPECS, called
 from .test_python import write

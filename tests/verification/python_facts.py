@@ -14,14 +14,13 @@ from fractions import Fraction
 from types import ModuleType
 from typing import Any
 
+from canwright.conformance.python import PythonAdapter, node_in_id
 from canwright.model.edition import Edition
 from canwright.model.layout import NodeRole, Space
 from canwright.model.message import Direction, Message
 from canwright.model.refusal import Refusal
 from canwright.targets.base import EditionInput
 from canwright.targets.python.text import attribute, class_name
-
-from ..conformance.adapters.python import PythonAdapter, node_in_id
 
 EXACT = 1 << 51
 """Values of raw integers from here on are rounded to doubles, some to those of other raw integers."""
