@@ -73,7 +73,7 @@ REJECTIONS = {
     "extended": {"id-space", "beyond-frame"},
     "flags": {"member-value", "overlap"},
     "from_each": {"unknown-node"},
-    "gone": {"no-value", "overlap", "beyond-width", "ambiguous-message"},
+    "gone": {"node-variable", "no-value", "overlap", "beyond-width", "ambiguous-message"},
     "id": ID,
     "index": {"code-width"},
     "kind": {"unknown-reference"},

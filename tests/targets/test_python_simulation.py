@@ -228,7 +228,7 @@ edition: v1
 addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
 selector: {at: 0, raw: u8}
 commands:
-  set: {code: 0x11, request: {target: {at: 2, raw: u16, state: level}}, reply: none}
+  set: {code: 0x11, request: {target: {at: 2, raw: u16, variable: level}}, reply: none}
   beat: {code: 0x10, request: none, reply: {layout: {level: {at: 2, raw: u16}}, every_ms: 100}}
 """,
         "utf-8",

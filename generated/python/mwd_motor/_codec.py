@@ -1010,7 +1010,7 @@ class Message:
     """Of a read: whether the frame of its reply always differs from that of the request."""
     REPLY_WITHIN_MS: ClassVar[float | None] = None
     """The longest time to its reply, if that of the edition does not apply."""
-    STATES: ClassVar[Mapping[str, str]] = {}
+    VARIABLES: ClassVar[Mapping[str, str]] = {}
     """The variables of a node that the fields of a request write, and those that the fields of a reply read under another name."""
     PLAUSIBLE: ClassVar[Mapping[str, int]] = {}
     """Raw integers that a working node can send in the fields of a reply where 0 is implausible."""
