@@ -1376,7 +1376,7 @@ local editions = {}
 
 editions[1] = codec.edition({
     name = "v2.35",
-    hash = "0cd70152cf4f43fd8dc6d7205f59c590a4c83815d8a29cb83576ac4d5eb55444",
+    hash = "36ac540da349da269d68b8159a0c9e56169fe5e43096d7ebd3599c27d8ca094a",
     reply_within = 250000.0,
     types = {
         {width = 16, encoding = "signed", limits = {-850.0, 850.0}},
@@ -2647,7 +2647,7 @@ editions[1] = codec.edition({
 
 editions[2] = codec.edition({
     name = "v2.35-2024-02",
-    hash = "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8",
+    hash = "0b4e26fbcc150c7c5bf68523ab0c2e57edc24e371cc73a51e419f62103c42658",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
@@ -4043,7 +4043,7 @@ editions[2] = codec.edition({
 
 editions[3] = codec.edition({
     name = "v2.36-2024-11",
-    hash = "e39f419561eaef6ecc8ce19c09e4dbe240f4077559aca2a86f25c8473d842446",
+    hash = "a2cb19c1cde7e7b49b81861bb265028ba9c296d707911a6cc9fa2f522aaf5b12",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
@@ -5718,7 +5718,7 @@ editions[3] = codec.edition({
 
 editions[4] = codec.edition({
     name = "v2.36-2025-03",
-    hash = "18e61f44a04dd3682186f07d67013942e78157fb5e76c54fa4fdaed19f5784e1",
+    hash = "69d95485ce236ab871867a47d2911ad61a1cb766acc8216d6f4d9f85bf9b28eb",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},

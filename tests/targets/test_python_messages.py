@@ -124,6 +124,20 @@ def test_a_decoded_frame_is_encoded_or_refused_as_its_raw_integers_are(
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_a_decoded_message_names_its_fields_out_of_range(spec: Path, package: Callable[[Path], Package]) -> None:
+    ours = package(spec)
+    for reference, decoded, encoder in _decoded(ours):
+        fields = encoder.fields(reference.message) or {}
+        invalid = {
+            attribute(name) for name, field in fields.items() if encoder.rejects_raw(field, reference.raws[name])
+        }
+        outside = decoded.out_of_range()
+        assert outside.keys() == invalid
+        assert all(reason.startswith(name) for name, reason in outside.items())
+        assert ("out_of_range=" in repr(decoded)) is bool(invalid)
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
 def test_a_decoded_frame_is_written_back_and_copied(spec: Path, package: Callable[[Path], Package]) -> None:
     ours = package(spec)
     for reference, decoded, _ in _decoded(ours):

@@ -5,7 +5,7 @@ import { createEdition } from "../canwright-codec.js";
 const edition = /* @__PURE__ */ createEdition({
   family: "mwd_motor",
   edition: "v2.36-2025-03",
-  hash: "18e61f44a04dd3682186f07d67013942e78157fb5e76c54fa4fdaed19f5784e1",
+  hash: "69d95485ce236ab871867a47d2911ad61a1cb766acc8216d6f4d9f85bf9b28eb",
   replyWithin: 0.25,
   parameters: {
     series: { values: ["MS", "MF", "MH", "MG"] },

@@ -26,12 +26,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_35_SPEC 0x0cd70152u
+#define MWD_MOTOR_V2_35_SPEC 0x36ac540du
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_35_EDITION         "v2.35"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_35_SPEC_HASH       "0cd70152cf4f43fd8dc6d7205f59c590a4c83815d8a29cb83576ac4d5eb55444"
+#define MWD_MOTOR_V2_35_SPEC_HASH       "36ac540da349da269d68b8159a0c9e56169fe5e43096d7ebd3599c27d8ca094a"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_35_REPLY_WITHIN_US 250u
 

@@ -4,7 +4,7 @@ canwright.editions.push({
   tables: {
     family: "mwd_motor",
     edition: "v2.35-2024-02",
-    hash: "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8",
+    hash: "0b4e26fbcc150c7c5bf68523ab0c2e57edc24e371cc73a51e419f62103c42658",
     replyWithin: 0.25,
     parameters: {
       series: { values: ["MS", "MF", "MH", "MG"] },
