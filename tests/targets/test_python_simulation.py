@@ -11,13 +11,13 @@ from typing import Any
 
 import can
 import pytest
+from canwright.conformance import modules
+from canwright.conformance.adapter import CanFrame, write_files
+from canwright.conformance.python import PythonAdapter
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets.python.target import PythonTarget
 
-from ..conformance.adapter import CanFrame, write_files
-from ..conformance.adapters import modules
-from ..conformance.adapters.python import PythonAdapter
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..samples import sampled
 from ..spec_texts import ROOT, SPECS, called
