@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import itertools
 import json
 import posixpath
 import re
@@ -325,6 +326,23 @@ def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
         "| [lamp `v2`](v2/index.md) | `2024-01` | Lamp | `0x180 + node` | `0x12` | [Changes](v2/changes.md) |",
     ]
     assert "Edition [v1](../index.md) · also in [v2](../../v2/commands/dim.md)\n" in pages["en/v1/commands/dim.md"]
+
+
+def test_pages_about_several_families_name_the_family_of_each_edition(tmp_path: Path) -> None:
+    items = []
+    for family, edition in itertools.product(("lamp", "torch"), ("v1", "v2")):
+        text = MINIMAL.replace("edition: v1\n", f"edition: {edition}\ndate: '202{edition[1]}-01'\n")
+        text += "  read_level: {code: 0x11, reply: {level: {at: 2, type: level}}}\n"
+        file = tmp_path / f"{family}-{edition}.yaml"
+        file.write_text(text.replace("family: lamp", f"family: {family}"), "utf-8")
+        items.append(specification(file))
+    pages = {output.path: output.text for output in DocsTarget().generate(items, {}) if output.path.endswith(".md")}
+    own = "compare-editions.md", "logs.md", "new-edition.md", "own-protocol.md", "questions.md"
+    about = {path: text for path, text in pages.items() if not path.endswith(own)}
+    rest = {path: re.subn(r"(?:lamp|torch) `?v[12]\b", "", text) for path, text in about.items()}
+    assert [path for path, (text, _) in rest.items() if re.search(r"(?<![\w/.-])v[12]\b", text)] == []
+    assert pages["en/torch-v2/changes.md"].startswith("# Changes: torch v1 → torch v2\n")
+    assert all(rest[f"en/{path}.md"][1] >= 2 for path in ("support", "which-edition", "torch-v1/commands/dim"))
 
 
 def test_a_frame_is_written_as_can_utils_take_it() -> None:

@@ -51,7 +51,8 @@ def starts(listed: Sequence[tuple[str, Common]]) -> Iterator[Start]:
 class Telling(NamedTuple):
     """A golden frame that only one edition of a family explains; the cells are Markdown."""
 
-    edition: str
+    edition: Edition
+    folder: str
     frame: str
     command: str
 
@@ -67,7 +68,8 @@ def telling_frames(listed: Sequence[tuple[str, Common]]) -> Iterator[Telling]:
             telling = next((f for f in own if all(_is_rejected(decoder, f) for decoder in decoders)), None)
             if telling:
                 yield Telling(
-                    f"[{markdown(common.edition.name)}]({folder}/index.md)",
+                    common.edition,
+                    folder,
                     code(formatting.sent(telling)),
                     f"[{markdown(sheet.name)}]({folder}/{COMMANDS}{sheet.name}.md)",
                 )

@@ -20,7 +20,8 @@ Listed = Sequence[tuple[str, Edition]]
 class Answer(NamedTuple):
     """What an edition replies to a probe; the cells are Markdown."""
 
-    edition: str
+    edition: Edition
+    folder: str
     reply_id: str
     fields: str
 
@@ -71,7 +72,8 @@ def _answer(folder: str, edition: Edition, command: Command) -> Answer:
     reply = command.reply
     assert reply is not None
     return Answer(
-        f"[{markdown(edition.name)}]({folder}/index.md)",
+        edition,
+        folder,
         code(formatting.id_rule(reply.id)),
         ", ".join(f"{code(name)} {place}" for name, place in _places(reply)),
     )

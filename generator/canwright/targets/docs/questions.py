@@ -19,7 +19,9 @@ class Link(NamedTuple):
     """A command that answers a question, with the editions that have it; the cells are Markdown."""
 
     command: str
-    editions: Sequence[str]
+    page: str
+    editions: Sequence[tuple[str, Edition]]
+    """The editions that have the command, with their folders."""
 
 
 class Question(NamedTuple):
@@ -49,8 +51,7 @@ def _links(name: str, listed: Sequence[tuple[str, Edition]]) -> Iterator[Link]:
     if having:
         code = having[-1][1].groups[name][0].code
         shown = f"`{name}`" if code is None else f"`0x{code:02X}` `{name}`"
-        links = [f"[{markdown(edition.name)}]({folder}/{COMMANDS}{name}.md)" for folder, edition in having]
-        yield Link(shown, links)
+        yield Link(shown, f"{COMMANDS}{name}.md", having)
 
 
 def question_records(editions: Iterable[Edition]) -> Iterator[Record]:
