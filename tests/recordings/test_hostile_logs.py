@@ -6,6 +6,7 @@ import contextlib
 import gzip
 import lzma
 import random
+import struct
 import subprocess
 import sys
 import time
@@ -72,6 +73,12 @@ def test_headers_that_are_unusual(tmp_path: Path, text: str, seconds: float) -> 
         (
             lzma.compress(b"MDF     4.10"),
             "compressed log contains another compressed file, MF4 or a database; decompress it first",
+        ),
+        (
+            b"\xd4\xc3\xb2\xa1"
+            + struct.pack("<HHiIII", 2, 4, 0, 0, 65535, 227)
+            + struct.pack("<IIIII", 1, 0, 4, 4, 0x141),
+            r"has no frames \(1 malformed\); record it",
         ),
     ],
 )

@@ -11,12 +11,13 @@ from pathlib import Path
 import pytest
 from canwright.cli import main
 from canwright.model.edition import Edition
+from canwright.model.message import IdRule
 from canwright.project.loader import spec_files, specification
 from canwright.recordings import candump
 from canwright.recordings.identify import identify
 from canwright.recordings.log_frame import Counts
 from canwright.recordings.results import Identification, NodeResult
-from canwright.recordings.scoring import ScoredClasses
+from canwright.recordings.scoring import ScoredClass, ScoredClasses
 from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
 
@@ -237,6 +238,23 @@ def test_a_file_that_is_no_log(tmp_path: Path) -> None:
     file.write_text("hello\n", "utf-8")
     result = CliRunner().invoke(main, ["identify", str(file), "--spec", str(spec_files(ROOT / "spec")[0])])
     assert (result.exit_code, "has no frames (line 1: `hello`)" in result.output) == (2, True)
+
+
+def test_buses_share_what_is_known_of_ids(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A log of hundreds of buses takes no longer than one bus with as many frames."""
+    calls = 0
+    kind_of = ScoredClasses.kind
+
+    def kind(kinds: ScoredClasses, frame: CanFrame, rule: IdRule) -> ScoredClass:
+        nonlocal calls
+        calls += 1
+        return kind_of(kinds, frame, rule)
+
+    monkeypatch.setattr(ScoredClasses, "kind", kind)
+    lines = [f"(1.000000) can{bus} {line}\n" for bus in range(50) for line in (*V2_35, *V2_35_2024_02)]
+    result = identify(candump.read(lines, Counts()), EDITIONS)
+    assert calls == 3, "one for each id and code, whatever the bus"
+    assert [names(node) for node in result.nodes] == 50 * [["v2.35-2024-02"], ["v2.35"]]
 
 
 @pytest.mark.parametrize("spec", WITHOUT_SETTINGS_IN_IDS, ids=called)

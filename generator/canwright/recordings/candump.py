@@ -9,7 +9,7 @@ from ..semantics.frame import CanFrame
 from ..targets.columns.runtime._candump import MAX_SECONDS, SkippedPart, read_line, without_colours
 from .log_frame import Counts, LogFrame, Mark, new_tuple
 
-_MAX_KNOWN = 1 << 12
+_MAX_KNOWN = 1 << 14
 """The maximum number of ids that are remembered."""
 _SHORT_MARKS = {"R": Mark.RECEIVED, "T": Mark.SENT}
 _MARKS = {False: Mark.RECEIVED, True: Mark.SENT, None: None}

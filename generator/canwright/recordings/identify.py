@@ -14,6 +14,7 @@ but do not exclude it. If several editions fit, the result lists all.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -47,14 +48,14 @@ def identify(recorded: Iterable[LogFrame], editions: Sequence[Edition]) -> Ident
 
 @dataclass(slots=True)
 class _IdState:
-    """The frames of one id and length on a bus, by the bytes of their first key; `rule` is None if the id belongs to no edition.
+    """The frames of one id and length, by the bytes of their first key; `rule` is None if the id belongs to no edition.
 
     Of each first key, these are the bits that identify a frame further, and the nodes and kinds of frames by these.
     """
 
     rule: IdRule | None
     first: slice[int, int, None]
-    codes: dict[bytes, tuple[int, dict[int, tuple[NodeFrames, ScoredClass]]]]
+    codes: dict[bytes, tuple[int, dict[int, tuple[int | None, ScoredClass]]]]
 
 
 class Identifier:
@@ -71,7 +72,7 @@ class Identifier:
         """The buses with frames that are marked as sent."""
         self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: opposite}
         self._kinds = ScoredClasses(editions)
-        self._lines: dict[tuple[str, int, bool, bool, int], _IdState] = {}
+        self._lines: dict[tuple[int, bool, bool, int], _IdState] = {}
         self._nodes: dict[tuple[str, int | None], NodeFrames] = {}
         self._states: dict[tuple[Waiting, ...], State] = {}
         self._steps = 0
@@ -90,7 +91,7 @@ class Identifier:
         id_, content, extended, remote = frame
         number = self._number
         self._number = number + 1
-        line = self._lines.get((bus, id_, extended, remote, len(content))) or self._line(bus, frame)
+        line = self._lines.get((id_, extended, remote, len(content))) or self._line(frame)
         if line.rule is None:
             self._foreign_count += 1
             foreign = id_, extended, remote
@@ -99,7 +100,8 @@ class Identifier:
             return None
         key_bits, places = line.codes.get(content[line.first]) or self._code(line, frame)
         bits = key_bits and int.from_bytes(content, "little") & key_bits
-        node, kind = places.get(bits) or self._place(line.rule, places, bits, recorded)
+        node_number, kind = places.get(bits) or self._place(line.rule, places, bits, frame)
+        node = self._nodes.get((bus, node_number)) or self._frames_of(bus, node_number)
         observation = kind.observation(id_, content)
         direction = self._direction(bus, mark) if mark is not None else None
         known = observation if direction is None else (observation, direction)
@@ -142,16 +144,16 @@ class Identifier:
             self.marked.add(bus)
         return self._of_mark[mark] if bus in self.marked else None
 
-    def _line(self, bus: str, frame: CanFrame) -> _IdState:
+    def _line(self, frame: CanFrame) -> _IdState:
         """The frames with the id and length of a frame, remembered."""
         if len(self._lines) >= MAX_KNOWN:
             self._lines.clear()
         having = self._kinds.messages(frame)
         line = _IdState(having[0].id if having else None, self._kinds.first_key(frame), {})
-        self._lines[bus, frame.id, frame.extended, frame.remote, len(frame.data)] = line
+        self._lines[frame.id, frame.extended, frame.remote, len(frame.data)] = line
         return line
 
-    def _code(self, line: _IdState, frame: CanFrame) -> tuple[int, dict[int, tuple[NodeFrames, ScoredClass]]]:
+    def _code(self, line: _IdState, frame: CanFrame) -> tuple[int, dict[int, tuple[int | None, ScoredClass]]]:
         """The frames with the first key of a frame, remembered for its line."""
         if len(line.codes) >= MAX_COUNTED:
             line.codes.clear()
@@ -159,23 +161,20 @@ class Identifier:
         return code
 
     def _place(
-        self, rule: IdRule, places: dict[int, tuple[NodeFrames, ScoredClass]], bits: int, recorded: LogFrame
-    ) -> tuple[NodeFrames, ScoredClass]:
-        """The frames of the node, and the kind, of a frame, remembered by the bits that identify it."""
-        frame = recorded.frame
+        self, rule: IdRule, places: dict[int, tuple[int | None, ScoredClass]], bits: int, frame: CanFrame
+    ) -> tuple[int | None, ScoredClass]:
+        """The number of the node, and the kind, of a frame, remembered by the bits that identify it."""
         if len(places) >= MAX_COUNTED:
             places.clear()
         in_id = (node_in_id(message, frame) for message in self._kinds.messages(frame))
         in_data = (node_of(message, frame) for message in self._kinds.candidates(frame))
-        node = self._frames_of(recorded.bus, next((n for n in (*in_id, *in_data) if n is not None), None))
-        place = places[bits] = node, self._kinds.kind(frame, rule)
+        number = next((n for n in itertools.chain(in_id, in_data) if n is not None), None)
+        place = places[bits] = number, self._kinds.kind(frame, rule)
         return place
 
     def _frames_of(self, bus: str, number: int | None) -> NodeFrames:
-        node = self._nodes.get((bus, number))
-        if node is None:
-            state = self._state(((),) * len(self.editions))
-            node = self._nodes[bus, number] = NodeFrames(bus, number, self.editions, state)
+        state = self._state(((),) * len(self.editions))
+        node = self._nodes[bus, number] = NodeFrames(bus, number, self.editions, state)
         return node
 
     def _state(self, waiting: tuple[Waiting, ...]) -> State:
@@ -202,12 +201,13 @@ class Identifier:
 
 def _with_broadcasts(results: Sequence[NodeResult]) -> Iterator[NodeResult]:
     """The results, where a broadcast fits only editions of the nodes on its bus that answer it."""
+    names: dict[str, set[Edition]] = {}
     for result in results:
-        names = {
-            edition for each in results if each.bus == result.bus and each.node is not None for edition in each.editions
-        }
+        if result.node is not None:
+            names.setdefault(result.bus, set()).update(result.editions)
+    for result in results:
         broadcast = result.node is None and any(_is_broadcast(edition) for edition in result.editions)
-        editions = tuple(edition for edition in result.editions if edition in names)
+        editions = tuple(edition for edition in result.editions if edition in names.get(result.bus, ()))
         yield dataclasses.replace(result, editions=editions, distinguishing=()) if broadcast else result
 
 

@@ -193,9 +193,10 @@ class Identifiers:
 def nodes_of(identifier: Identifier, settings: Sequence[NodeSetting]) -> Nodes:
     """The nodes of a log that has been identified."""
     nodes = Nodes(identifier.editions, settings)
-    identification = identifier.result()
-    for result in _with_nodes(identification):
-        nodes.choose(result.bus, result.node, _choice(result, identification))
+    results = [*_with_nodes(identifier.result())]
+    certain = _certain(results)
+    for result in results:
+        nodes.choose(result.bus, result.node, _choice(result, certain))
     return nodes
 
 
@@ -294,16 +295,18 @@ class _Following:
         """Chooses the edition of a node for its first frame that waits, or the next one."""
         self._waiting.discard(node)
         number, time = next(((n, frame.time) for n, frame, of in self._held if of is node), (self._number, None))
-        choice = _choice(result, None)._replace(start=Place(number, time))
+        choice = _choice(result, _certain(()))._replace(start=Place(number, time))
         choices = self._nodes.identified.get((node.bus, node.number))
         if not choices or choices[-1][1:3] != choice[1:3]:
             self._nodes.choose(node.bus, node.number, choice)
 
     def _finish(self) -> None:
         """Lists the frames that were read with another edition than fits the whole stream."""
-        results = [*_with_nodes(self._identifier.result())]
+        results: dict[Key, list[NodeResult]] = {}
+        for result in _with_nodes(self._identifier.result()):
+            results.setdefault((result.bus, result.node), []).append(result)
         for key, choices in self._nodes.identified.items():
-            parts = [result for result in results if (result.bus, result.node) == key]
+            parts = results.get(key, [])
             for part, end in zip(parts, [*(after.start for after in parts[1:]), None], strict=False):
                 if len(part.editions) == 1:
                     last = end.number if end else self._number
@@ -326,18 +329,33 @@ def _with_nodes(identification: Identification) -> Iterator[NodeResult]:
     return (result for result in identification.nodes if result.node is not None or result.bus not in having)
 
 
-def _choice(result: NodeResult, identification: Identification | None) -> Choice:
+class _Certain(NamedTuple):
+    """The editions of nodes that fit exactly one: of all buses, and by bus."""
+
+    editions: Sequence[Edition]
+    by_bus: Mapping[str, Sequence[Edition]]
+
+
+def _certain(results: Iterable[NodeResult]) -> _Certain:
+    """The editions of nodes that are not stray and fit exactly one."""
+    certain = dict.fromkeys((r.bus, r.editions[0]) for r in results if len(r.editions) == 1 and not r.is_stray)
+    by_bus: dict[str, list[Edition]] = {}
+    for bus, edition in certain:
+        by_bus.setdefault(bus, []).append(edition)
+    return _Certain([*dict.fromkeys(edition for _, edition in certain)], by_bus)
+
+
+def _choice(result: NodeResult, certain: _Certain) -> Choice:
     """Of several editions that fit, that of another node, if any."""
     start = result.start or Place(0, None)
-    listed = [each for each in _with_nodes(identification) if not each.is_stray] if identification else []
-    certain = [(each.bus, each.editions[0]) for each in listed if len(each.editions) == 1]
+    of_bus = certain.by_bus.get(result.bus, ())
     fitting = result.editions
     if result.is_stray and len(fitting) > 1:
-        fitting = tuple(candidate for candidate in fitting if (result.bus, candidate) in certain)
+        fitting = tuple(candidate for candidate in fitting if candidate in of_bus)
     if fitting:
-        edition = next((candidate for _, candidate in certain if candidate in fitting), fitting[0])
+        edition = next((candidate for candidate in certain.editions if candidate in fitting), fitting[0])
         rest = tuple(candidate for candidate in fitting if candidate is not edition)
         return Choice(start, edition, rest, result.differing if rest else frozenset(), is_stray=result.is_stray)
     explained = [s.edition for s in result.scores if s.is_explained(result.judged)] if result.is_judged else []
-    assumed = next((candidate for bus, candidate in certain if bus == result.bus and candidate in explained), None)
+    assumed = next((candidate for candidate in of_bus if candidate in explained), None)
     return Choice(start, assumed, is_assumed=assumed is not None, is_stray=result.is_stray)

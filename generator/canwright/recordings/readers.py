@@ -167,7 +167,8 @@ def _found(counts: Counts) -> str:
     if not lines:
         return ""
     number, text = min(lines)
-    return f" (line {number}: `{text}`)" if number else f" ({text})"
+    parts = ", ".join(f"{count} {part.value}" for part, count in counts.skipped.items())
+    return f" (line {number}: `{text}`)" if number else f" ({text or parts})"
 
 
 def _buffered(source: BinaryIO) -> io.BufferedReader:

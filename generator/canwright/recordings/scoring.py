@@ -100,27 +100,42 @@ class ScoredClasses:
         self._editions = editions
         self._forms: dict[tuple[int, Message], list[ScoredForm]] = {}
         self._kinds: dict[tuple[object, ...], ScoredClass] = {}
-        self._messages: dict[tuple[int, bool, bool], list[Message]] = {}
+        self._messages: dict[tuple[int, bool, bool], tuple[Message, ...]] = {}
+        self._first_keys: dict[tuple[Message, ...], slice[int, int, None]] = {}
+        self._further_bits: dict[tuple[tuple[Message, ...], bytes], int] = {}
 
-    def messages(self, frame: CanFrame) -> list[Message]:
+    def messages(self, frame: CanFrame) -> tuple[Message, ...]:
         """The messages of all editions with the id of a frame."""
         id_ = frame.id, frame.extended, frame.remote
         known = self._messages.get(id_)
         if known is None:
-            known = [m for edition in self._editions for m in edition.all_messages() if has_id(m, frame)]
+            known = tuple(m for edition in self._editions for m in edition.all_messages() if has_id(m, frame))
             if len(self._messages) < MAX_KNOWN:
                 self._messages[id_] = known
         return known
 
     def first_key(self, frame: CanFrame) -> slice[int, int, None]:
         """The bytes of the first keys of all messages with the id of a frame; empty if these are not whole bytes."""
-        bits = data_bits((key.space, key.segments) for message in self.messages(frame) for key in message.keys[:1])
-        start, end = (bits & -bits).bit_length() // 8, bits.bit_length() // 8
-        return slice(start, end) if bits == (1 << 8 * end) - (1 << 8 * start) else slice(0, 0)
+        messages = self.messages(frame)
+        if messages not in self._first_keys:
+            bits = data_bits((key.space, key.segments) for message in messages for key in message.keys[:1])
+            start, end = (bits & -bits).bit_length() // 8, bits.bit_length() // 8
+            is_whole = bits == (1 << 8 * end) - (1 << 8 * start)
+            self._first_keys[messages] = slice(start, end) if is_whole else slice(0, 0)
+        return self._first_keys[messages]
 
     def further_bits(self, frame: CanFrame) -> int:
         """The data bits that identify a frame beside `first_key`: other keys, and the node if the id has none."""
         messages, first = self.messages(frame), self.first_key(frame)
+        known = messages, frame.data[first]
+        if known not in self._further_bits:
+            if len(self._further_bits) >= MAX_KNOWN:
+                self._further_bits.clear()
+            self._further_bits[known] = self._further(messages, first, frame)
+        return self._further_bits[known]
+
+    @staticmethod
+    def _further(messages: Sequence[Message], first: slice[int, int, None], frame: CanFrame) -> int:
         having = [
             message
             for message in messages

@@ -13,7 +13,7 @@ FRAME = re.compile(
     re.ASCII | re.IGNORECASE,
 )
 """A line; after the data, adapters can write the time in milliseconds, which begins again after a minute."""
-_OTHER = re.compile(r"[zZ]*|[OCLSVNFMmXQW][\dA-F]*", re.ASCII)
+_OTHER = re.compile(r"[zZ]*|[OCLSVNFMmXQWZ][\dA-F]*", re.ASCII)
 """Commands to an adapter, and its answers."""
 _ERROR_ANSWER = "\x07"
 _MINUTE = 60_000
