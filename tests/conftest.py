@@ -13,11 +13,11 @@ from typing import Any
 
 import pytest
 from canwright.__main__ import OBJECTS_BETWEEN_COLLECTIONS
+from canwright.conformance.runner import Report
 from canwright.project import loader
 
 from .compilers import PROGRAMS
 from .conformance import summary
-from .conformance.runner import Report
 from .own_targets import hide
 
 ROOT = Path(__file__).parents[1]

@@ -69,6 +69,18 @@ def test_spec_of_the_guides_generates_all_outputs(folder: Path) -> None:
     assert (folder / "out/docs/en/v1/index.md").is_file()
 
 
+def test_line_of_a_pipeline_tests_a_new_spec(tmp_path: Path) -> None:
+    line = blocks("own-protocol")[-1][1].strip()
+    install, *commands = line.removeprefix("- run: ").split(" && ")
+    assert install.startswith("pip install tools/canwright-*.whl ") and commands
+    run("canwright init lamp", tmp_path)
+    for command in commands:
+        assert run(command, tmp_path) == "\n"  # no finding
+    edited = tmp_path / "spec/lamp/v1.frames.yaml"
+    edited.write_text(edited.read_text("utf-8").replace("speed: -30", "speed: -31"), "utf-8")
+    assert "::error file=spec/lamp/v1.frames.yaml,line=11,col=99" in run(commands[-1], tmp_path)
+
+
 def test_log_commands_print_what_the_guide_shows(folder: Path) -> None:
     (_, log), *rest = blocks("logs")
     (folder / "bus.log").write_text(log, "utf-8")

@@ -1376,7 +1376,7 @@ local editions = {}
 
 editions[1] = codec.edition({
     name = "v2.35",
-    hash = "0cd70152cf4f43fd8dc6d7205f59c590a4c83815d8a29cb83576ac4d5eb55444",
+    hash = "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13",
     reply_within = 250000.0,
     types = {
         {width = 16, encoding = "signed", limits = {-850.0, 850.0}},
@@ -2647,7 +2647,7 @@ editions[1] = codec.edition({
 
 editions[2] = codec.edition({
     name = "v2.35-2024-02",
-    hash = "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8",
+    hash = "50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
@@ -4043,7 +4043,7 @@ editions[2] = codec.edition({
 
 editions[3] = codec.edition({
     name = "v2.36-2024-11",
-    hash = "e39f419561eaef6ecc8ce19c09e4dbe240f4077559aca2a86f25c8473d842446",
+    hash = "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
@@ -5718,7 +5718,7 @@ editions[3] = codec.edition({
 
 editions[4] = codec.edition({
     name = "v2.36-2025-03",
-    hash = "18e61f44a04dd3682186f07d67013942e78157fb5e76c54fa4fdaed19f5784e1",
+    hash = "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},

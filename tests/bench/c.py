@@ -19,11 +19,11 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from canwright.conformance.adapter import write_files
 from canwright.project.loader import specification
 from canwright.targets.c.target import CTarget
 
 from ..compilers import CORTEX_M0, WARNINGS, ZIG
-from ..conformance.adapter import write_files
 from ..tools import run, tool
 from .bars import Measure, report
 

@@ -14,12 +14,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from canwright.conformance.adapter import write_files
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.rules.too_large import VARIABLE
 from canwright.targets.c.target import CTarget
 
-from ..conformance.adapter import write_files
 from ..tools import tool
 from .bars import Measure, report
 from .generate import multiplied

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from canwright.conformance.adapter import Adapter, CanFrame, Decoded, Encoded, Parameters, Raw, Refused
 from canwright.model.edition import Edition
 from canwright.model.joined import Joined, JoinedText
 from canwright.model.layout import Field, Space, bits_of
@@ -24,7 +25,6 @@ from canwright.semantics.plan import message_plan
 
 from ..float_rule import float_of
 from ..semantics.random_frames import random_frame
-from .adapter import Adapter, CanFrame, Decoded, Encoded, Parameters, Raw, Refused
 
 Answer = Decoded | Encoded | Refused | None
 

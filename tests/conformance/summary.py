@@ -6,8 +6,9 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from canwright.conformance.runner import REASONS, Failure, Report
+
 from .adapters import ADAPTERS
-from .runner import Report
 
 REPORTS: list[Report] = []
 """The replays of this process."""
@@ -16,14 +17,16 @@ KINDS = ("decode", "decode alone", "encode raw", "encode values", "refuse", "ans
 
 
 def as_data(reports: Iterable[Report]) -> list[dict[str, Any]]:
-    """Reports as plain data, which one process can send to another."""
+    """Reports as plain data without the entries of golden frames, which one process can send to another."""
     return [
         {
             "target": report.target,
             "edition": report.edition,
             "passed": dict(report.passed),
             "exceptions": dict(report.exceptions),
-            "failures": report.failures,
+            "failures": [failure._replace(entry=None) for failure in report.failures],
+            "asked": report.asked,
+            "failed": report.failed,
         }
         for report in reports
     ]
@@ -33,7 +36,8 @@ def from_data(data: Iterable[Mapping[str, Any]]) -> Iterator[Report]:
     """The reports that `as_data` made plain."""
     for item in data:
         counters = {key: Counter(item[key]) for key in ("passed", "exceptions")}
-        yield Report(item["target"], item["edition"], **counters, failures=item["failures"])
+        failures = [Failure(*failure) for failure in item["failures"]]
+        yield Report(**{**item, **counters, "failures": failures})
 
 
 def summary(reports: Iterable[Report]) -> Iterator[str]:
@@ -66,7 +70,3 @@ def table(reports: Iterable[Report]) -> Iterator[str]:
     for (target, name), count in sorted(cases.items()):
         reason = ADAPTERS[target].cannot.get(name, REASONS.get(name, ""))
         yield f"{target:<11}{name:<20}{count:>7}{editions[target, name]:>10}  {reason}"
-
-
-REASONS = {"beyond_double": "no double represents the value exactly, so it is only decoded"}
-"""What no target can express."""

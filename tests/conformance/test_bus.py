@@ -8,6 +8,9 @@ from pathlib import Path
 
 import can
 import pytest
+from canwright.conformance.adapter import write_files
+from canwright.conformance.modules import load
+from canwright.conformance.python import PythonAdapter
 from canwright.model.golden_frames import GoldenFrame
 from canwright.model.message import Direction
 from canwright.project.loader import specification
@@ -15,9 +18,6 @@ from canwright.semantics.frame import CanFrame, code_of, node_of
 from canwright.targets.python.target import PythonTarget
 
 from ..spec_texts import ROOT, SPECS, called
-from .adapter import write_files
-from .adapters.modules import load
-from .adapters.python import PythonAdapter
 
 
 @pytest.fixture

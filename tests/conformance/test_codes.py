@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from canwright.conformance.adapter import write_files
+from canwright.conformance.python import load
 from canwright.project.loader import specification
 from canwright.targets.python.target import PythonTarget
 
 from ..verification.differential import compare
-from .adapter import write_files
 from .adapters import ADAPTERS
-from .adapters.python import load
 from .questions import Questions
 
 CODES = """\

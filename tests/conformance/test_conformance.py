@@ -9,6 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from canwright.conformance.adapter import Adapter, CanFrame, Decoded, Parameters, Refused
+from canwright.conformance.runner import Runner
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets.base import EditionInput
@@ -17,12 +19,10 @@ from ..samples import sampled
 from ..spec_texts import ROOT, SPECS, called
 from ..verification.c_survivors import ask_availability, ask_unchecked
 from ..verification.differential import compare
-from .adapter import Adapter, CanFrame, Decoded, Parameters, Refused
 from .adapters import ADAPTERS
 from .adapters.c import CAdapter
 from .adapters.reference import ReferenceAdapter
 from .questions import Questions
-from .runner import Runner
 from .summary import REPORTS
 
 RANDOM = {("c", "cxx", "python", "javascript"): 500, ("dbc",): 12}
@@ -50,7 +50,7 @@ def test_golden_frames(spec: Path, target: str, adapters: Adapters) -> None:
     assert item.frames is not None, f"{spec.name} has no golden frames beside it"
     report = Runner(item.edition, item.frames, adapter).run()
     REPORTS.append(report)
-    assert not report.failures, f"{len(report.failures)} failures\n" + "\n".join(report.failures[:40])
+    assert not report.failures, f"{len(report.failures)} failures\n" + "\n".join(map(str, report.failures[:40]))
 
 
 UNANSWERED = """\

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import pytest
 from cantools.database.can import Message as CanMessage
+from canwright.conformance.adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
+from canwright.conformance.dbc import DbcAdapter
+from canwright.conformance.dbc_file import DbcMessages, load
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.targets.dbc.target import DbcTarget
 
 from ..spec_texts import ROOT, called
-from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
-from .adapters.dbc import DbcAdapter
-from .adapters.dbc_file import DbcMessages, load
 
 CASES = Path(__file__).parents[1] / "targets" / "dbc"
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 
-from .runner import Report
+from canwright.conformance.runner import Failure, Report
+
 from .summary import as_data, from_data, summary, table
 
 REPORTS = [
     Report("c", "lamp v1", Counter({"decode": 5, "answer": 2}), Counter({"beyond_double": 1})),
-    Report("dbc", "lamp v1", Counter({"decode": 4}), Counter({"exchanges": 2}), ["dbc decode: wrong"]),
+    Report(
+        "dbc", "lamp v1", Counter({"decode": 4}), Counter({"exchanges": 2}), [Failure("dbc", "decode", None, "wrong")]
+    ),
     Report("dbc", "lamp v2", Counter({"decode": 4}), Counter({"exchanges": 3})),
 ]
 

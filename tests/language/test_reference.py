@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,12 @@ from canwright.model.types import Order
 from canwright.project.loader import load
 from click.testing import CliRunner
 
+from ..compilers import ZIG
 from ..spec_texts import ROOT
 
 PAGE = (ROOT / "spec/README.md").read_text("utf-8")
 BLOCKS: list[dict[str, Any]] = [yaml.safe_load(block) for block in re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)]
-START, FRAMES, *PARTS = BLOCKS
+SPEC, FRAMES, START, *PARTS = BLOCKS
 
 
 def test_the_page_is_up_to_date() -> None:
@@ -46,12 +48,43 @@ def test_explain_describes_keys_and_rules() -> None:
     assert (unknown.exit_code, "did you mean `selector`?" in unknown.output) == (2, True)
 
 
-def test_the_start_and_its_golden_frames(tmp_path: Path) -> None:
-    lamp = written(tmp_path, START)
-    (tmp_path / "lamp.frames.yaml").write_text(yaml.safe_dump(FRAMES), "utf-8")
-    assert [finding.message for finding in load(lamp).warnings] == [
-        "2 messages have no golden frame: `dim` (reply), `read_level` (request)",
-    ]
+def test_a_page_of_a_manual_becomes_a_tested_spec_as_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CC", shlex.join(ZIG.c))
+    monkeypatch.chdir(tmp_path)
+    spec = Path("spec/battery_monitor/v1.yaml")
+    frames = spec.with_name("v1.frames.yaml")
+    blocks = re.findall(r"^```\w+\n(.*?)^```$", PAGE.partition("## Limits")[0], re.MULTILINE | re.DOTALL)
+    manual, init, described, skeletons, golden, test, table, wrong, generate = blocks
+    run(init)
+    assert spec.is_file() and frames.is_file()
+    spec.write_text(described, "utf-8")
+    run(skeletons)
+    assert frames.read_text("utf-8").partition("frames:\n")[0] == golden.partition("frames:\n")[0]
+    assert frames.read_text("utf-8").count("__ __ __ __ __ __ __ __") == golden.count("data: ")
+    frames.write_text(golden, "utf-8")
+    for data in re.findall(r'data: "(.*?)"', golden):
+        assert data in manual
+    assert run(test) == (table, "")
+    spec.write_text(described.replace("scale: 0.1}", "scale: 0.01}"), "utf-8")
+    assert run(test, status=1) == ("", f"{wrong}1 error; `canwright explain RULE` explains a rule\n")
+    spec.write_text(described, "utf-8")
+    run(generate)
+    for output in re.findall(r"`(?:pip install ./)?(generated/[\w/]+)`", PAGE):
+        assert Path(output).is_dir()
+
+
+def run(command: str, status: int = 0) -> tuple[str, str]:
+    """What a command of the page prints on standard output and on standard error; `> FILE` empties a file and writes it."""
+    line, _, file = command.strip().partition(" > ")
+    program, *arguments = shlex.split(line)
+    assert program == "canwright"
+    if file:
+        Path(file).write_bytes(b"")
+    result = CliRunner().invoke(main, arguments, catch_exceptions=False)
+    assert result.exit_code == status, result.output
+    if file:
+        Path(file).write_text(result.stdout, "utf-8")
+    return result.stdout, result.stderr
 
 
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: ",".join(part))

@@ -67,6 +67,15 @@ def test_the_wheel_identifies_editions_without_a_clone(installed: Path, tmp_path
     assert "node 1, 2 frames: fits v2.35-2024-02\n" in run(tmp_path, installed / "canwright", "identify", "bus.log")
 
 
+def test_the_wheel_tests_a_new_spec(installed: Path, tmp_path: Path) -> None:
+    run(tmp_path, installed / "canwright", "init", "lamp")
+    printed = run(tmp_path, installed / "canwright", "test", "--target", "reference", "--target", "python")
+    assert [line.split()[2:] for line in printed.splitlines()[1:]] == [
+        [target, "4", "4", "0", "0"] for target in ("reference", "python")
+    ]
+    assert [path.name for path in tmp_path.iterdir()] == ["spec"]
+
+
 def test_the_generated_python_package_installs_and_needs_nothing_else(tmp_path: Path) -> None:
     python = empty(tmp_path / "empty")
     package = tmp_path / "python"

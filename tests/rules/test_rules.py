@@ -22,6 +22,8 @@ FOLDERS = sorted(folder.name for folder in EXAMPLES.iterdir())
 ELSEWHERE = {
     "file-size": "its example would be a megabyte; tests/untrusted/test_limits.py has it",
     "stale-output": "it is about output; tests/cli has it",
+    "target-contradiction": "it is about output; tests/cli has it",
+    "not-tested": "it is about a command; tests/cli has it",
 }
 
 

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
+from canwright.conformance.adapter import write_files
 from canwright.model.checksum import ALGORITHMS, Arithmetic
 from canwright.project.loader import specification
 from canwright.targets.c.target import CTarget
 
 from ..compilers import SANITIZED, build
-from ..conformance.adapter import write_files
 from ..semantics.test_checksum import BY_PARAMETERS, NAMED
 
 CRCS: Mapping[str, tuple[int | None, str, int]] = {

@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from canwright.conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Raw, Refused, assignment
 from canwright.model.checksum import Arithmetic, ConstantBytes, DataBytes
 from canwright.model.edition import Edition
 from canwright.model.layout import MAX_DATA_BYTES, ChecksumRole, Field, FixedRole, Segment, Space
@@ -19,7 +20,6 @@ from canwright.project.loader import specification
 from canwright.semantics.decoder import linear_of
 from canwright.targets.c.expressions import integer
 
-from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Raw, Refused, assignment
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..semantics.random_frames import random_frames

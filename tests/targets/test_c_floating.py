@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from canwright.conformance.adapter import write_files
 from canwright.project.loader import specification
 from canwright.targets.c.target import CTarget
 
 from ..compilers import WARNINGS, ZIG
-from ..conformance.adapter import write_files
 from ..conformance.adapters.c_signatures import functions
 from ..spec_texts import MINIMAL, SPECS
 from ..tools import tool

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable
 
 import pytest
+from canwright.conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from canwright.model.edition import Edition
 from canwright.model.layout import Segment, Space
 from canwright.model.message import Command, Direction, Key, KeyRole, Message
@@ -14,7 +15,6 @@ from canwright.model.types import Order
 from canwright.project.loader import specification
 from canwright.targets.base import EditionInput
 
-from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters.c import CAdapter
 
 SPEC = """\

@@ -7,6 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from canwright.conformance.adapter import CanFrame
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets.base import EditionInput
@@ -14,7 +15,6 @@ from canwright.targets.c.names import Names
 from canwright.targets.c.target import CTarget
 from canwright.targets.c.text import literal
 
-from ..conformance.adapter import CanFrame
 from ..conformance.adapters.c import CAdapter
 from ..spec_texts import MINIMAL, SPECS, called
 

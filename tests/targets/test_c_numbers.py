@@ -8,13 +8,13 @@ import struct
 from fractions import Fraction
 
 import pytest
+from canwright.conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Type
 from canwright.project.loader import specification
 
-from ..conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_facts import SINGLE_ERROR
 from ..float_rule import bits_of_double, raw_of_double

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 import pytest
+from canwright.conformance.adapter import CanFrame, Refused, assignment
 from canwright.model.golden_frames import GoldenFrame, RefusedFrame
 from canwright.model.joined import JoinedText
 from canwright.model.layout import Field
@@ -19,7 +20,6 @@ from canwright.semantics.encoder import Encoder
 from canwright.targets.base import EditionInput
 from canwright.targets.c.target import CTarget
 
-from ..conformance.adapter import CanFrame, Refused, assignment
 from ..conformance.adapters.c import EXTENDED, REMOTE, CAdapter
 from ..spec_texts import SPECS, called
 

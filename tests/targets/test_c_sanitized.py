@@ -9,12 +9,12 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from canwright.conformance.runner import Runner
 from canwright.project.loader import specification
 
 from ..compilers import SANITIZED, ZIG, Compiler, build, each_compiler
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_harness import harness
-from ..conformance.runner import Runner
 from ..verification.sanitizers import UNDEFINED
 from .test_c_compiles import MAIN, write
 
@@ -46,4 +46,4 @@ def test_golden_frames_leave_nothing_undefined(level: str, compiler: Compiler, t
     source.write_text(harness(item.edition, include), "utf-8")
     program = build([source], include, tmp_path / "harness", *flags, compiler=compiler)
     report = Runner(item.edition, item.frames, CAdapter(item.edition, program)).run()
-    assert not report.failures, "\n".join(report.failures[:40])
+    assert not report.failures, "\n".join(map(str, report.failures[:40]))

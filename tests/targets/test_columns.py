@@ -20,6 +20,8 @@ from typing import TYPE_CHECKING, Any
 import can
 import numpy as np
 import pytest
+from canwright.conformance.adapter import write_files
+from canwright.conformance.modules import load
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.project.loader import specification
 from canwright.recordings.readers import open_log
@@ -28,8 +30,6 @@ from canwright.targets.columns.target import TARGET
 from canwright.targets.columns.view import columns_of, tables_of
 from canwright.targets.options import Options
 
-from ..conformance.adapter import write_files
-from ..conformance.adapters.modules import load
 from ..spec_texts import MINIMAL, ROOT, edition
 from ..tools import tool
 from ..untrusted.everything import filled
@@ -290,6 +290,26 @@ def test_parquet_has_units_and_one_file_for_each_table(package: Package, tmp_pat
 
 
 @pytest.mark.interop("pyarrow")
+def test_spark_has_no_unsigned_integers(package: Package) -> None:
+    decoder = package.edition.decoder(PARAMETERS, raw=True)
+    frame = "`time` bigint, `bus` string, `node` int, `direction` string, `command` string, `code` bigint"
+    for table, fields in (
+        ("motor_off", ""),
+        ("status_1", ", `temperature` tinyint, `voltage` double, `voltage_raw` int, `errors` smallint"),
+        ("broadcast_torque_request", ", `iq` array<double>, `iq_raw` array<smallint>"),
+        ("read_single_turn_angle_reply", ", `angle` double, `angle_raw` bigint"),
+    ):
+        assert package.arrow.spark_schema(decoder, table) == frame + fields
+        decoded = list(package.arrow.decode_batches([package.input()], decoder, table))
+        for_spark = list(package.arrow.spark_batches([package.input()], decoder, table))
+        assert [batch.to_pylist() for batch in for_spark] == [batch.to_pylist() for batch in decoded]
+        types = [column.type for batch in for_spark for column in batch.schema]
+        assert not any(str(kind).startswith(("uint", "fixed_size_list")) for kind in types)
+    with pytest.raises(ValueError, match="there is no table nothing"):
+        package.arrow.spark_schema(decoder, "nothing")
+
+
+@pytest.mark.interop("pyarrow")
 def test_a_partition_by_bus_and_time_gives_the_same_rows(package: Package) -> None:
     import pyarrow as pa
 
@@ -421,21 +441,20 @@ def test_the_example_of_spark(package: Package, tmp_path: Path, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     edition_, arrow = (importlib.import_module(f"mwd_motor_columns.{name}") for name in ("v2_35", "arrow"))
     pq.write_table(pa.Table.from_batches([package.input()]), "frames")
-    result = (
-        "time long, bus string, node int, direction string, command string, code long, "
-        "temperature tinyint, iq double, speed smallint, encoder double"
-    )
     builder = sql.SparkSession.builder.master("local[1]").config("spark.ui.enabled", "false")
     session = builder.config("spark.driver.host", "127.0.0.1").getOrCreate()
-    names = {"spark": session, "schema": result, "arrow": arrow, "TABLE": "motion_feedback"}
-    names["decoder"] = edition_.decoder(PARAMETERS)
+    decoder = edition_.decoder(PARAMETERS, raw=True)
+    names = {"spark": session, "arrow": arrow, "decoder": decoder}
+    read = {}
     try:
-        exec(next(snippet for snippet in SNIPPETS if "spark" in snippet), names)
-        rows = names["decoded"].collect()
+        for table in ("motion_feedback", "status_1", "broadcast_torque_request", "read_single_turn_angle_reply"):
+            exec(next(snippet for snippet in SNIPPETS if "spark" in snippet), {**names, "TABLE": table}, names)
+            read[table] = [row.asDict() for row in names["decoded"].collect()]
     finally:
         session.stop()
-    expected = _decoded(package, [package.input()], "motion_feedback").to_pylist()
-    assert [row.asDict() for row in rows] == expected
+    for table, rows in read.items():
+        expected = pa.Table.from_batches(arrow.decode_batches([package.input()], decoder, table))
+        assert rows == expected.to_pylist()
 
 
 def test_hostile_texts_stay_texts(tmp_path: Path) -> None:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import can
 import pytest
+from canwright.conformance import modules
+from canwright.conformance.adapter import write_files
 from canwright.project.loader import specification
 from canwright.targets.c.target import CTarget
 from canwright.targets.javascript.package import RUNTIME
@@ -15,8 +17,6 @@ from canwright.targets.javascript.target import JavaScriptTarget
 from canwright.targets.python.target import PythonTarget
 
 from ..compilers import build
-from ..conformance.adapter import write_files
-from ..conformance.adapters import modules
 from ..node import run
 from ..spec_texts import ROOT
 from .live_bus import Clock, VirtualTimeBus

@@ -15,6 +15,8 @@ from typing import Any
 import cantools
 import pytest
 from cantools.database import Database
+from canwright.conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
+from canwright.conformance.dbc import DbcAdapter
 from canwright.model.edition import Edition
 from canwright.model.layout import ConstantRole, Element, Field, FixedRole, Layout, Segment, Space, Variant
 from canwright.model.message import Direction, KeyRole, Message
@@ -25,8 +27,6 @@ from canwright.targets.base import EditionInput
 from canwright.targets.dbc.target import DbcTarget
 from hypothesis import given, settings, strategies as st
 
-from ..conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
-from ..conformance.adapters.dbc import DbcAdapter
 from ..resolve.test_tables import TABLE
 from ..spec_texts import SMALL, called, edition
 from .test_dbc import CASES, PAGES, SPECS, files

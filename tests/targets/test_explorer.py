@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 import yaml
+from canwright.conformance.adapter import write_files
 from canwright.model import formatting
 from canwright.model.golden_frames import GoldenFrame, Value
 from canwright.model.message import Message
@@ -27,7 +28,6 @@ from canwright.targets.python.target import PythonTarget
 from canwright.templating.resources import TEMPLATES
 
 from ..compilers import WARNINGS, ZIG
-from ..conformance.adapter import write_files
 from ..node import run
 from ..spec_texts import ROOT, SPECS, called
 

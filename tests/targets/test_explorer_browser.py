@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from canwright.conformance.adapter import write_files
 from canwright.model import formatting
 from canwright.project.loader import specification
 from canwright.targets.javascript.page import FOLDER, EditionSpec, explorer
 
-from ..conformance.adapter import write_files
 from ..project.browser import PACKAGES, accessibility_violations, browser
 from ..spec_texts import MINIMAL, SPECS
 from ..untrusted.everything import filled

@@ -11,6 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from canwright.conformance.adapter import write_files
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
@@ -22,7 +23,6 @@ from canwright.targets.javascript.target import REPOSITORY, JavaScriptTarget
 from canwright.targets.javascript.text import printed, quoted
 from canwright.targets.options import Options
 
-from ..conformance.adapter import write_files
 from ..conformance.adapters.javascript import JavaScriptAdapter
 from ..node import run
 from ..semantics.random_frames import random_frame

@@ -8,6 +8,8 @@ from fractions import Fraction
 from math import floor
 
 import pytest
+from canwright.conformance.adapter import CanFrame, Decoded, Encoded, Refused
+from canwright.conformance.python import PythonAdapter
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
@@ -17,9 +19,7 @@ from canwright.semantics.decoder import linear_of
 from canwright.targets.base import EditionInput
 from canwright.targets.c.target import CTarget
 
-from ..conformance.adapter import CanFrame, Decoded, Encoded, Refused
 from ..conformance.adapters.c import CAdapter
-from ..conformance.adapters.python import PythonAdapter
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..float_rule import raw_of_double
 

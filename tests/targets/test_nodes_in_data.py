@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 from canwright.cli import main
+from canwright.conformance import modules
+from canwright.conformance.adapter import write_files
 from canwright.project.loader import specification
 from canwright.targets.c.target import CTarget
 from canwright.targets.columns.target import ColumnsTarget
@@ -15,8 +17,6 @@ from canwright.targets.options import NO_OPTIONS
 from click.testing import CliRunner
 
 from ..compilers import build
-from ..conformance.adapter import write_files
-from ..conformance.adapters import modules
 from ..spec_texts import ROOT
 from .test_python import write
 

@@ -12,12 +12,12 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from canwright.conformance.python import load
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets.python.target import PythonTarget
 from canwright.targets.python.text import class_name
 
-from ..conformance.adapters.python import load
 from ..spec_texts import MINIMAL, ROOT, SPECS
 
 SPEC = ROOT / "spec/mwd_motor/v2.35.yaml"
@@ -159,6 +159,17 @@ def test_decoding_and_encoding_back_is_lossless_even_out_of_range(v2_35: ModuleT
     assert message.encode_unchecked() == data
 
 
+def test_a_value_out_of_range_is_named(v2_35: ModuleType) -> None:
+    known = v2_35.Parameters(series=v2_35.Series.MG, encoder_bits=14)
+    reply = v2_35.decode_reply(0x141, bytes.fromhex("A1 32 9B 00 F4 01 00 80"), known)
+    expected = {"encoder": "encoder=raw 32768 is out of range 0.0..359.97802734375 deg (raw 0..16383)"}
+    assert reply.out_of_range() == expected
+    assert "encoder=720.0, out_of_range=('encoder',), parameters=" in repr(reply)
+    assert list(v2_35.decode_reply(0x141, bytes.fromhex("A1 32 88 13 F4 01 00 00"), known).out_of_range()) == ["iq"]
+    assert reply.replace(encoder=180).out_of_range() == {}
+    assert "out_of_range" not in repr(reply.replace(encoder=180))
+
+
 @pytest.mark.parametrize(
     ("angle", "raw"), [(0.29, 29), (-0.29, -29), (0.57, 57), (1.005, 100), (0.005, 1), (-0.005, -1), (359.99, 35999)]
 )
@@ -205,7 +216,7 @@ def test_a_message_shows_the_parameters_on_which_it_depends(v2_35: ModuleType) -
     reply = v2_35.decode_reply(0x141, bytes.fromhex("A0190000F4010040"), known)
     assert repr(reply).endswith(", parameters=Parameters(series=Series.MS, encoder_bits=15))")
     request = v2_35.decode_request(0x141, bytes.fromhex("A1000000C4090000"), v2_35.Parameters(encoder_bits=15))
-    assert repr(request) == "SetTorqueRequest(node=1, iq_raw=2500)"
+    assert repr(request) == "SetTorqueRequest(node=1, iq_raw=2500, out_of_range=('iq',))"
 
 
 def test_a_pattern_by_position_matches_whatever_the_parameters_are(v2_35: ModuleType) -> None:

@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from canwright.conformance.python import load
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.project.loader import specification
@@ -18,7 +19,6 @@ from canwright.semantics.decoder import Decoder, Rejection
 from canwright.semantics.frame import CanFrame, node_of
 from canwright.targets.python.text import class_name
 
-from ..conformance.adapters.python import load
 from ..resolve.test_tables import TABLE
 from ..semantics.random_frames import random_frames
 from ..semantics.test_dispatch import LENGTHS, PLACES, UNUSED

@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from canwright.conformance.python import PythonAdapter, load
 from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction, Message
@@ -23,7 +24,6 @@ from canwright.semantics.encoder import Encoder, Encoders
 from canwright.semantics.frame import CanFrame
 from canwright.targets.python.text import attribute, class_name
 
-from ..conformance.adapters.python import PythonAdapter, load
 from ..semantics.random_frames import random_frames
 from ..spec_texts import MINIMAL, SPECS, called
 from .test_python import write
@@ -121,6 +121,20 @@ def test_a_decoded_frame_is_encoded_or_refused_as_its_raw_integers_are(
         assert _outcome(ours.module, decoded.replace) == expected
         outcomes.add(type(expected[0]))
     assert int in outcomes
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_a_decoded_message_names_its_fields_out_of_range(spec: Path, package: Callable[[Path], Package]) -> None:
+    ours = package(spec)
+    for reference, decoded, encoder in _decoded(ours):
+        fields = encoder.fields(reference.message) or {}
+        invalid = {
+            attribute(name) for name, field in fields.items() if encoder.rejects_raw(field, reference.raws[name])
+        }
+        outside = decoded.out_of_range()
+        assert outside.keys() == invalid
+        assert all(reason.startswith(name) for name, reason in outside.items())
+        assert ("out_of_range=" in repr(decoded)) is bool(invalid)
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=called)

@@ -14,8 +14,8 @@ from typing import Any
 
 import can
 import pytest
+from canwright.conformance import modules
 
-from ..conformance.adapters import modules
 from ..spec_texts import MINIMAL, ROOT
 from .test_python import write
 

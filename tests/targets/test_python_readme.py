@@ -47,7 +47,7 @@ ready.wait()
 
 PATIENT = r"\1, timeout=10"
 """A time-out that a busy machine keeps."""
-CLIENT = re.compile(r"(Client\(bus, \[[^\n]*\])")
+CLIENT = re.compile(r"(Client\(bus, (?:\[[^\n]*\]|nodes))")
 
 
 def programs(folder: Path) -> list[str]:
@@ -120,9 +120,13 @@ def test_all_programs(spec: Path, returned: bool, tmp_path: Path) -> None:
         f"{id_} {f.data.hex(' ').upper()}".strip() for id_, f in zip(ids, requests, strict=True)
     }
     assert "_raw=" not in done.stdout and "no reply" not in done.stdout
-    _, reply, value, _, values, raw, _, *cycles, of_async, made, _ = lines
+    executed = [line for line in lines if line.startswith("executes ")]  # the reads of the client first
+    lines = [line for line in lines if line not in executed]
+    _, reply, value, _, values, raw, _, *cycles, of_async, simulated, variables, made, _ = lines
     assert values.startswith("{'") and raw.startswith("{'")
     assert {*cycles} == {value} and of_async == reply and made.startswith(f"{x.request}(")
+    assert any(line.startswith(f"executes {x.request}(") for line in executed)
+    assert simulated.startswith(f"{x.reply}(") and variables[0] == "{"
 
 
 @pytest.mark.parametrize("returned", [False, True])

@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from canwright.conformance.adapter import write_files
 from canwright.project.loader import specification
 from canwright.recordings.directions import Directions
 from canwright.targets.c.target import CTarget
 
 from ..compilers import build
-from ..conformance.adapter import write_files
 from ..node import run
 from ..recordings.test_directions import frames
 from ..spec_texts import ROOT

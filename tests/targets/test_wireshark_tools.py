@@ -11,6 +11,7 @@ from pathlib import Path
 
 import can
 import pytest
+from canwright.conformance.adapter import ExactValue
 from canwright.model.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFrame
 from canwright.model.message import Direction
 from canwright.project.loader import specification
@@ -20,7 +21,6 @@ from canwright.targets.base import EditionInput, Output
 from canwright.targets.wireshark.family import filters, flag_filter, preference
 from canwright.targets.wireshark.target import WiresharkTarget
 
-from ..conformance.adapter import ExactValue
 from ..spec_texts import MINIMAL, ROOT, SPECS, called
 from ..tools import run, tool
 from .tshark import Captured, Dissected, capture, dissect

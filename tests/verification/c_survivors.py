@@ -21,6 +21,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import ClassVar
 
+from canwright.conformance.adapter import Adapter, CanFrame, Decoded, Raw, Refused, assignment, write_files
+from canwright.conformance.runner import Runner
 from canwright.model.edition import Edition
 from canwright.model.layout import MAX_DATA_BYTES, Field, Space
 from canwright.model.message import Direction
@@ -35,13 +37,11 @@ from canwright.targets.c.package import RUNTIME
 from canwright.targets.c.target import CTarget
 
 from ..compilers import SANITIZED, ZIG
-from ..conformance.adapter import Adapter, CanFrame, Decoded, Raw, Refused, assignment, write_files
 from ..conformance.adapters.c import CAdapter
 from ..conformance.adapters.c_facts import Facts
 from ..conformance.adapters.c_harness import harness, header_text
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Questions
-from ..conformance.runner import Runner
 from . import floating, integers
 from .c_mutants import CHOICE, functions, merged, mutants, selectable, used
 from .differential import compare

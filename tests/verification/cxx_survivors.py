@@ -8,6 +8,8 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from canwright.conformance.adapter import Raw, Refused, assignment, write_files
+from canwright.conformance.runner import Runner
 from canwright.model.edition import Edition
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
@@ -15,11 +17,9 @@ from canwright.targets.c.expressions import integer
 from canwright.targets.c.target import CTarget
 
 from ..compilers import ZIG
-from ..conformance.adapter import Raw, Refused, assignment, write_files
 from ..conformance.adapters.c_facts import Facts
 from ..conformance.adapters.cxx import FLAGS, CxxAdapter, cxx_harness
 from ..conformance.questions import Questions
-from ..conformance.runner import Runner
 from .c_mutants import Token, line_mutant, replacements, statements, tokens
 from .c_survivors import Program, Recorder, ask_availability
 from .differential import compare

@@ -24,10 +24,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from canwright.conformance.adapter import Adapter, Cannot
 from canwright.project.loader import specification
 from canwright.targets.base import EditionInput
 
-from ..conformance.adapter import Adapter, Cannot
 from ..conformance.adapters import ADAPTERS
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Answer, Question, Questions, disagreement

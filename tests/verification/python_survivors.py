@@ -23,15 +23,15 @@ import can
 import cantools
 import hypothesis
 import pytest
+from canwright.conformance import modules
+from canwright.conformance.adapter import Cannot
+from canwright.conformance.python import PythonAdapter
+from canwright.conformance.runner import Runner
 from canwright.project.loader import specification
 from canwright.targets.python.target import RUNTIME, PythonTarget
 
-from ..conformance.adapter import Cannot
-from ..conformance.adapters import modules
-from ..conformance.adapters.python import PythonAdapter
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Answer, Question, Questions, disagreement
-from ..conformance.runner import Runner
 from ..spec_texts import ROOT
 from .forks import passing
 from .mutants import PYTHON_RUNTIME, Mutant, changed
@@ -229,7 +229,7 @@ RUNTIME_SUBJECTS = (RuntimeSubject,)
 
 
 def _is_code(file: str) -> bool:
-    return file.endswith(".py") and file not in ("python_can.py", "client.py", "client_asyncio.py")
+    return file.endswith(".py") and file not in ("python_can.py", "client.py", "client_asyncio.py", "simulation.py")
 
 
 def _replay(runner: Runner) -> None:

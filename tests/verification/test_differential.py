@@ -5,10 +5,10 @@ from __future__ import annotations
 import itertools
 
 import pytest
+from canwright.conformance.adapter import CanFrame, Decoded, Parameters, Refused
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 
-from ..conformance.adapter import CanFrame, Decoded, Parameters, Refused
 from ..conformance.adapters import ADAPTERS
 from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Questions

@@ -78,6 +78,34 @@ def _field(column: Column) -> pa.Field:
     return pa.field(column.name, pa.list_(element, field.count) if field.count else element, metadata=metadata or None)
 
 
+_SPARK = {
+    pa.string(): ("string", pa.string()),
+    pa.float32(): ("float", pa.float32()),
+    pa.float64(): ("double", pa.float64()),
+    pa.int8(): ("tinyint", pa.int8()),
+    pa.int16(): ("smallint", pa.int16()),
+    pa.int32(): ("int", pa.int32()),
+    pa.int64(): ("bigint", pa.int64()),
+    pa.uint8(): ("smallint", pa.int16()),
+    pa.uint16(): ("int", pa.int32()),
+    pa.uint32(): ("bigint", pa.int64()),
+    pa.uint64(): ("decimal(20,0)", pa.decimal128(20, 0)),
+}
+"""The name that Spark has for a type, and the type of Arrow that it reads as such: it has no unsigned integers."""
+
+
+def _spark_type(column: pa.DataType) -> tuple[str, pa.DataType]:
+    if pa.types.is_fixed_size_list(column):
+        name, element = _SPARK[column.value_type]
+        return f"array<{name}>", pa.list_(element)
+    return _SPARK[column]
+
+
+def spark_schema(decoder: Decoder, table: str) -> str:
+    """The columns of the batches of `spark_batches`, in the notation of Spark. Raises ValueError as `schema` does."""
+    return ", ".join(f"`{column.name}` {_spark_type(column.type)[0]}" for column in schema(decoder, table))
+
+
 def batch(decoder: Decoder, frames: Frames, table: Table) -> pa.RecordBatch:
     """A table as a batch; no value, and a value that is no finite number, are null."""
     messages = decoder.edition.messages
@@ -214,3 +242,15 @@ def decode_batches(batches: Iterable[pa.RecordBatch], decoder: Decoder, table: s
         decoded = decoder.decode(frames).tables.get(table)
         if decoded is not None:
             yield batch(decoder, frames, decoded)
+
+
+def spark_batches(batches: Iterable[pa.RecordBatch], decoder: Decoder, table: str) -> Iterator[pa.RecordBatch]:
+    """The batches of `decode_batches` for `mapInArrow` of Spark, with signed integers and lists of any size.
+
+    Unsigned integers become the next larger signed type, those of 64 bits decimal numbers.
+    """
+    columns = schema(decoder, table)
+    types = pa.schema([pa.field(column.name, _spark_type(column.type)[1]) for column in columns])
+    for decoded in decode_batches(batches, decoder, table):
+        arrays = [values.cast(column.type) for values, column in zip(decoded.columns, types, strict=True)]
+        yield pa.RecordBatch.from_arrays(arrays, schema=types)

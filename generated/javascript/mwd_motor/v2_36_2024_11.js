@@ -5,7 +5,7 @@ import { createEdition } from "../canwright-codec.js";
 const edition = /* @__PURE__ */ createEdition({
   family: "mwd_motor",
   edition: "v2.36-2024-11",
-  hash: "e39f419561eaef6ecc8ce19c09e4dbe240f4077559aca2a86f25c8473d842446",
+  hash: "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a",
   replyWithin: 0.25,
   parameters: {
     series: { values: ["MS", "MF", "MH", "MG"] },

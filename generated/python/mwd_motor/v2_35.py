@@ -135,12 +135,13 @@ __all__ = [
     "ids_of",
     "node_bits_of",
     "node_of",
+    "replies_to",
     "share_a_reply",
 ]
 
 FAMILY = "mwd_motor"
 EDITION = "v2.35"
-SPEC_HASH = "0cd70152cf4f43fd8dc6d7205f59c590a4c83815d8a29cb83576ac4d5eb55444"
+SPEC_HASH = "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13"
 
 
 class Series(str, Enum):
@@ -1505,6 +1506,14 @@ class WritePidRamRequest(PidGains, Request["WritePidRamReply"]):
     TITLE = "Write controller gains to RAM"
     MANUAL = "2.14"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {
+        "angle_kp": "angle_kp",
+        "angle_ki": "angle_ki",
+        "speed_kp": "speed_kp",
+        "speed_ki": "speed_ki",
+        "iq_kp": "iq_kp",
+        "iq_ki": "iq_ki",
+    }
 
 
 class WritePidRomRequest(PidGains, Request["WritePidRomReply"]):
@@ -1525,6 +1534,14 @@ class WritePidRomRequest(PidGains, Request["WritePidRomReply"]):
     TITLE = "Write controller gains to ROM"
     MANUAL = "2.15"
     EFFECTS = ("writes_rom", "wears_rom")
+    VARIABLES = {
+        "angle_kp": "angle_kp",
+        "angle_ki": "angle_ki",
+        "speed_kp": "speed_kp",
+        "speed_ki": "speed_ki",
+        "iq_kp": "iq_kp",
+        "iq_ki": "iq_ki",
+    }
 
 
 class ReadAccelerationRequest(ToNode, Request["ReadAccelerationReply"]):
@@ -1563,6 +1580,7 @@ class WriteAccelerationRamRequest(WriteAccelerationRam, Request["WriteAccelerati
     TITLE = "Write acceleration to RAM"
     MANUAL = "2.17"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"acceleration": "acceleration"}
 
 
 class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
@@ -1603,6 +1621,7 @@ class WriteEncoderOffsetRomRequest(WriteEncoderOffsetRom, Request["WriteEncoderO
     TITLE = "Write encoder offset to ROM"
     MANUAL = "2.19"
     EFFECTS = ("sets_zero", "writes_rom", "wears_rom")
+    VARIABLES = {"encoder_offset": "encoder_offset"}
 
 
 class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply"]):
@@ -2319,6 +2338,7 @@ class ReadMultiTurnAngleReply(Reply):
     ID = 0x140
     CODE = 0x92
     NODES = (1, 32)
+    VARIABLES = {"angle": "multi_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": MULTI_TURN_ANGLE}
@@ -2379,6 +2399,7 @@ class ReadSingleTurnAngleReply(Reply):
     ID = 0x140
     CODE = 0x94
     NODES = (1, 32)
+    VARIABLES = {"angle": "single_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
@@ -2456,6 +2477,7 @@ class ReadStatus1Reply(Status1, Reply):
     ID = 0x140
     CODE = 0x9A
     NODES = (1, 32)
+    PLAUSIBLE = {"voltage": 60}
 
 
 class ClearErrorsReply(Status1, Reply):
@@ -2472,6 +2494,7 @@ class ClearErrorsReply(Status1, Reply):
     CODE = 0x9A
     CODES = (0x9A, 0x9B)
     NODES = (1, 32)
+    PLAUSIBLE = {"voltage": 60}
 
     __match_args__ = ("temperature", "voltage", "errors")
     TYPES = {"temperature": TEMPERATURE, "voltage": VOLTAGE, "errors": _ErrorFlags}
@@ -2760,6 +2783,8 @@ client_facts = ClientFacts(
         ReadStatus3Request,
     ),
     {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
+    {"on": ((MotorOnRequest,), (), {}), "off": ((MotorOffRequest,), ("moves",), {})},
+    (),
     answers_in_order=True,
 )
 """What the client knows of this edition."""
@@ -3006,4 +3031,5 @@ decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply
+replies_to = _dispatcher.replies_to
 share_a_reply = _dispatcher.share_a_reply

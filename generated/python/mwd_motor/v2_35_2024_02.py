@@ -142,12 +142,13 @@ __all__ = [
     "ids_of",
     "node_bits_of",
     "node_of",
+    "replies_to",
     "share_a_reply",
 ]
 
 FAMILY = "mwd_motor"
 EDITION = "v2.35-2024-02"
-SPEC_HASH = "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8"
+SPEC_HASH = "50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5"
 
 
 class Series(str, Enum):
@@ -919,6 +920,7 @@ class BrakeRequest(Request["BrakeReply"]):
     MANUAL = "2.8"
     EFFECTS = ("switches_brake",)
     EXEMPT = {"action": {16: ("switches_brake",)}}
+    VARIABLES = {"action": "brake"}
 
     __match_args__ = ("action",)
     TYPES = {"action": _BrakeAction}
@@ -1792,6 +1794,7 @@ class WriteControlParameterRamTorqueLimitRequest(
     TITLE = "Write control parameter: Torque limit"
     MANUAL = "2.20"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"torque_limit": "control_parameters.torque_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -1821,6 +1824,7 @@ class WriteControlParameterRamAccelerationLimitRequest(
     TITLE = "Write control parameter: Acceleration limit"
     MANUAL = "2.20"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"acceleration_limit": "control_parameters.acceleration_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -1850,6 +1854,7 @@ class WriteControlParameterRamSpeedLimitRequest(
     TITLE = "Write control parameter: Speed limit"
     MANUAL = "2.20"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"speed_limit": "control_parameters.speed_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -1894,6 +1899,7 @@ class WriteEncoderOffsetRomRequest(WriteEncoderOffsetRom, Request["WriteEncoderO
     TITLE = "Write encoder offset to ROM"
     MANUAL = "2.22"
     EFFECTS = ("sets_zero", "writes_rom", "wears_rom")
+    VARIABLES = {"encoder_offset": "encoder_offset"}
 
 
 class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply"]):
@@ -1976,6 +1982,7 @@ class SetAngleRequest(SetAngle, Request["SetAngleReply"]):
     TITLE = "Set multi-turn angle of the present position"
     MANUAL = "2.26"
     EFFECTS = ("sets_zero", "writes_ram")
+    VARIABLES = {"angle": "multi_turn_angle"}
 
 
 class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
@@ -2118,6 +2125,7 @@ class BrakeReply(Reply):
     ID = 0x140
     CODE = 0x8C
     NODES = (1, 32)
+    VARIABLES = {"state": "brake"}
 
     __match_args__ = ("state",)
     TYPES = {"state": _BrakeState}
@@ -2323,6 +2331,7 @@ class ReadControlParameterTorqueLimitReply(ControlParametersTorqueLimit, Reply):
     ID = 0x140
     CODE = 0xB0
     NODES = (1, 32)
+    VARIABLES = {"torque_limit": "control_parameters.torque_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2342,6 +2351,7 @@ class ReadControlParameterAccelerationLimitReply(ControlParametersAccelerationLi
     ID = 0x140
     CODE = 0xB0
     NODES = (1, 32)
+    VARIABLES = {"acceleration_limit": "control_parameters.acceleration_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2361,6 +2371,7 @@ class ReadControlParameterSpeedLimitReply(ControlParametersSpeedLimit, Reply):
     ID = 0x140
     CODE = 0xB0
     NODES = (1, 32)
+    VARIABLES = {"speed_limit": "control_parameters.speed_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2380,6 +2391,7 @@ class WriteControlParameterRamTorqueLimitReply(ControlParametersTorqueLimit, Rep
     ID = 0x140
     CODE = 0xB1
     NODES = (1, 32)
+    VARIABLES = {"torque_limit": "control_parameters.torque_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2399,6 +2411,7 @@ class WriteControlParameterRamAccelerationLimitReply(ControlParametersAccelerati
     ID = 0x140
     CODE = 0xB1
     NODES = (1, 32)
+    VARIABLES = {"acceleration_limit": "control_parameters.acceleration_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2418,6 +2431,7 @@ class WriteControlParameterRamSpeedLimitReply(ControlParametersSpeedLimit, Reply
     ID = 0x140
     CODE = 0xB1
     NODES = (1, 32)
+    VARIABLES = {"speed_limit": "control_parameters.speed_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2606,6 +2620,7 @@ class ReadMultiTurnAngleReply(Reply):
     ID = 0x140
     CODE = 0x92
     NODES = (1, 32)
+    VARIABLES = {"angle": "multi_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": MULTI_TURN_ANGLE}
@@ -2666,6 +2681,7 @@ class ReadSingleTurnAngleReply(Reply):
     ID = 0x140
     CODE = 0x94
     NODES = (1, 32)
+    VARIABLES = {"angle": "single_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
@@ -2727,6 +2743,7 @@ class SetAngleReply(SetAngle, Reply):
     ID = 0x140
     CODE = 0x95
     NODES = (1, 32)
+    VARIABLES = {"angle": "multi_turn_angle"}
 
 
 class ReadStatus1Reply(Status1, Reply):
@@ -2742,6 +2759,7 @@ class ReadStatus1Reply(Status1, Reply):
     ID = 0x140
     CODE = 0x9A
     NODES = (1, 32)
+    PLAUSIBLE = {"voltage": 600}
 
 
 class ClearErrorsReply(Status1, Reply):
@@ -2757,6 +2775,7 @@ class ClearErrorsReply(Status1, Reply):
     ID = 0x140
     CODE = 0x9B
     NODES = (1, 32)
+    PLAUSIBLE = {"voltage": 600}
 
 
 class ReadStatus2Reply(MotionFeedback, Reply):
@@ -2977,6 +2996,8 @@ client_facts = ClientFacts(
         ReadControlParameterSpeedLimitRequest,
     ),
     {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
+    {"on": ((MotorOnRequest,), (), {"motor_state": 0}), "off": ((MotorOffRequest,), ("moves",), {"motor_state": 16})},
+    (),
     answers_in_order=True,
 )
 """What the client knows of this edition."""
@@ -3263,4 +3284,5 @@ decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply
+replies_to = _dispatcher.replies_to
 share_a_reply = _dispatcher.share_a_reply

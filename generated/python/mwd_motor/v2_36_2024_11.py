@@ -160,12 +160,13 @@ __all__ = [
     "ids_of",
     "node_bits_of",
     "node_of",
+    "replies_to",
     "share_a_reply",
 ]
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2024-11"
-SPEC_HASH = "e39f419561eaef6ecc8ce19c09e4dbe240f4077559aca2a86f25c8473d842446"
+SPEC_HASH = "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a"
 
 
 class Series(str, Enum):
@@ -1069,6 +1070,7 @@ class BrakeRequest(Request["BrakeReply"]):
     MANUAL = "8"
     EFFECTS = ("switches_brake",)
     EXEMPT = {"action": {16: ("switches_brake",)}}
+    VARIABLES = {"action": "brake"}
 
     __match_args__ = ("action",)
     TYPES = {"action": _BrakeAction}
@@ -1971,6 +1973,11 @@ class WriteControlParameterRamAnglePidRequest(PidGains, Request["WriteControlPar
     TITLE = "Write control parameter: Gains of the position loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {
+        "kp": "control_parameters.angle_pid.kp",
+        "ki": "control_parameters.angle_pid.ki",
+        "kd": "control_parameters.angle_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -1997,6 +2004,11 @@ class WriteControlParameterRamSpeedPidRequest(PidGains, Request["WriteControlPar
     TITLE = "Write control parameter: Gains of the speed loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {
+        "kp": "control_parameters.speed_pid.kp",
+        "ki": "control_parameters.speed_pid.ki",
+        "kd": "control_parameters.speed_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2023,6 +2035,11 @@ class WriteControlParameterRamCurrentPidRequest(PidGains, Request["WriteControlP
     TITLE = "Write control parameter: Gains of the current loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {
+        "kp": "control_parameters.current_pid.kp",
+        "ki": "control_parameters.current_pid.ki",
+        "kd": "control_parameters.current_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2052,6 +2069,7 @@ class WriteControlParameterRamMaxTorqueCurrentRequest(
     TITLE = "Write control parameter: Maximum torque current"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2081,6 +2099,7 @@ class WriteControlParameterRamMaxSpeedRequest(
     TITLE = "Write control parameter: Maximum speed"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2110,6 +2129,7 @@ class WriteControlParameterRamMaxAngleRequest(
     TITLE = "Write control parameter: Angle limit"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"max_angle": "control_parameters.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2139,6 +2159,7 @@ class WriteControlParameterRamCurrentRampRequest(
     TITLE = "Write control parameter: Current ramp"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"current_ramp": "control_parameters.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2168,6 +2189,7 @@ class WriteControlParameterRamSpeedRampRequest(
     TITLE = "Write control parameter: Speed ramp"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2276,6 +2298,7 @@ class SetAngleRequest(SetAngle, Request["SetAngleReply"]):
     TITLE = "Set multi-turn angle of the present position"
     MANUAL = "24"
     EFFECTS = ("sets_zero", "writes_ram")
+    VARIABLES = {"angle": "multi_turn_angle"}
 
 
 class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
@@ -2420,6 +2443,7 @@ class BrakeReply(Reply):
     ID = 0x180
     CODE = 0x8C
     NODES = (1, 32)
+    VARIABLES = {"state": "brake"}
 
     __match_args__ = ("state",)
     TYPES = {"state": _BrakeState}
@@ -2610,6 +2634,11 @@ class ReadControlParameterAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.angle_pid.kp",
+        "ki": "control_parameters.angle_pid.ki",
+        "kd": "control_parameters.angle_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2629,6 +2658,11 @@ class ReadControlParameterSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.speed_pid.kp",
+        "ki": "control_parameters.speed_pid.ki",
+        "kd": "control_parameters.speed_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2648,6 +2682,11 @@ class ReadControlParameterCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.current_pid.kp",
+        "ki": "control_parameters.current_pid.ki",
+        "kd": "control_parameters.current_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2667,6 +2706,7 @@ class ReadControlParameterMaxTorqueCurrentReply(ControlParametersMaxTorqueCurren
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2686,6 +2726,7 @@ class ReadControlParameterMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2705,6 +2746,7 @@ class ReadControlParameterMaxAngleReply(ControlParametersMaxAngle, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {"max_angle": "control_parameters.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2724,6 +2766,7 @@ class ReadControlParameterCurrentRampReply(ControlParametersCurrentRamp, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {"current_ramp": "control_parameters.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2743,6 +2786,7 @@ class ReadControlParameterSpeedRampReply(ControlParametersSpeedRamp, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2762,6 +2806,11 @@ class WriteControlParameterRamAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.angle_pid.kp",
+        "ki": "control_parameters.angle_pid.ki",
+        "kd": "control_parameters.angle_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2781,6 +2830,11 @@ class WriteControlParameterRamSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.speed_pid.kp",
+        "ki": "control_parameters.speed_pid.ki",
+        "kd": "control_parameters.speed_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2800,6 +2854,11 @@ class WriteControlParameterRamCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.current_pid.kp",
+        "ki": "control_parameters.current_pid.ki",
+        "kd": "control_parameters.current_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2819,6 +2878,7 @@ class WriteControlParameterRamMaxTorqueCurrentReply(ControlParametersMaxTorqueCu
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2838,6 +2898,7 @@ class WriteControlParameterRamMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2857,6 +2918,7 @@ class WriteControlParameterRamMaxAngleReply(ControlParametersMaxAngle, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {"max_angle": "control_parameters.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2876,6 +2938,7 @@ class WriteControlParameterRamCurrentRampReply(ControlParametersCurrentRamp, Rep
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {"current_ramp": "control_parameters.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2895,6 +2958,7 @@ class WriteControlParameterRamSpeedRampReply(ControlParametersSpeedRamp, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3068,6 +3132,7 @@ class ReadMultiTurnAngleReply(Reply):
     ID = 0x180
     CODE = 0x92
     NODES = (1, 32)
+    VARIABLES = {"angle": "multi_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": MULTI_TURN_ANGLE}
@@ -3128,6 +3193,7 @@ class ReadSingleTurnAngleReply(Reply):
     ID = 0x180
     CODE = 0x94
     NODES = (1, 32)
+    VARIABLES = {"angle": "single_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
@@ -3189,6 +3255,7 @@ class SetAngleReply(SetAngle, Reply):
     ID = 0x180
     CODE = 0x95
     NODES = (1, 32)
+    VARIABLES = {"angle": "multi_turn_angle"}
 
 
 class ReadStatus1Reply(Status1, Reply):
@@ -3204,6 +3271,7 @@ class ReadStatus1Reply(Status1, Reply):
     ID = 0x180
     CODE = 0x9A
     NODES = (1, 32)
+    PLAUSIBLE = {"voltage": 600}
 
 
 class ClearErrorsReply(Status1, Reply):
@@ -3219,6 +3287,7 @@ class ClearErrorsReply(Status1, Reply):
     ID = 0x180
     CODE = 0x9B
     NODES = (1, 32)
+    PLAUSIBLE = {"voltage": 600}
 
 
 class ReadStatus2Reply(MotionFeedback, Reply):
@@ -3460,6 +3529,8 @@ client_facts = ClientFacts(
         ReadControlParameterSpeedRampRequest,
     ),
     {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
+    {"on": ((MotorOnRequest,), (), {"motor_state": 0}), "off": ((MotorOffRequest,), ("moves",), {"motor_state": 16})},
+    (),
     answers_in_order=True,
 )
 """What the client knows of this edition."""
@@ -3823,4 +3894,5 @@ decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply
+replies_to = _dispatcher.replies_to
 share_a_reply = _dispatcher.share_a_reply

@@ -227,12 +227,13 @@ __all__ = [
     "ids_of",
     "node_bits_of",
     "node_of",
+    "replies_to",
     "share_a_reply",
 ]
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2025-03"
-SPEC_HASH = "18e61f44a04dd3682186f07d67013942e78157fb5e76c54fa4fdaed19f5784e1"
+SPEC_HASH = "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf"
 
 
 class Series(str, Enum):
@@ -1625,6 +1626,7 @@ class BrakeRequest(Request["BrakeReply"]):
     MANUAL = "8"
     EFFECTS = ("switches_brake",)
     EXEMPT = {"action": {16: ("switches_brake",)}}
+    VARIABLES = {"action": "brake"}
 
     __match_args__ = ("action",)
     TYPES = {"action": _BrakeAction}
@@ -2527,6 +2529,11 @@ class WriteControlParameterRamAnglePidRequest(PidGains, Request["WriteControlPar
     TITLE = "Write control parameter: Gains of the position loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {
+        "kp": "control_parameters.angle_pid.kp",
+        "ki": "control_parameters.angle_pid.ki",
+        "kd": "control_parameters.angle_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2553,6 +2560,11 @@ class WriteControlParameterRamSpeedPidRequest(PidGains, Request["WriteControlPar
     TITLE = "Write control parameter: Gains of the speed loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {
+        "kp": "control_parameters.speed_pid.kp",
+        "ki": "control_parameters.speed_pid.ki",
+        "kd": "control_parameters.speed_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2579,6 +2591,11 @@ class WriteControlParameterRamCurrentPidRequest(PidGains, Request["WriteControlP
     TITLE = "Write control parameter: Gains of the current loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {
+        "kp": "control_parameters.current_pid.kp",
+        "ki": "control_parameters.current_pid.ki",
+        "kd": "control_parameters.current_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2608,6 +2625,7 @@ class WriteControlParameterRamMaxTorqueCurrentRequest(
     TITLE = "Write control parameter: Torque current limit"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2637,6 +2655,7 @@ class WriteControlParameterRamMaxSpeedRequest(
     TITLE = "Write control parameter: Speed limit"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2666,6 +2685,7 @@ class WriteControlParameterRamUpperAngleRequest(
     TITLE = "Write control parameter: Upper angle limit"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"upper_angle": "control_parameters.upper_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2695,6 +2715,7 @@ class WriteControlParameterRamLowerAngleRequest(
     TITLE = "Write control parameter: Lower angle limit"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"lower_angle": "control_parameters.lower_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2724,6 +2745,7 @@ class WriteControlParameterRamSpeedRampRequest(
     TITLE = "Write control parameter: Speed ramp"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3193,6 +3215,7 @@ class StageStoredSettingDriverIdRequest(StoredSettingsDriverId, Request["StageSt
     TITLE = "Write stored setting: Node id"
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
+    VARIABLES = {"driver_id": "stored_settings.driver_id"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3220,6 +3243,7 @@ class StageStoredSettingBusTypeRequest(StoredSettingsBusType, Request["StageStor
     TITLE = "Write stored setting: Bus"
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
+    VARIABLES = {"bus_type": "stored_settings.bus_type"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3250,6 +3274,7 @@ class StageStoredSettingRs485BaudRateRequest(
     TITLE = "Write stored setting: RS485 bit rate"
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
+    VARIABLES = {"rs485_baud_rate": "stored_settings.rs485_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3277,6 +3302,7 @@ class StageStoredSettingCanBaudRateRequest(StoredSettingsCanBaudRate, Request["S
     TITLE = "Write stored setting: CAN bit rate"
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
+    VARIABLES = {"can_baud_rate": "stored_settings.can_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3303,6 +3329,7 @@ class StageStoredSettingMaxPowerRequest(StoredSettingsMaxPower, Request["StageSt
     TITLE = "Write stored setting: Maximum power"
     MANUAL = "27"
     EFFECTS = ("stages",)
+    VARIABLES = {"max_power": "stored_settings.max_power"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3329,6 +3356,7 @@ class StageStoredSettingMaxSpeedRequest(StoredSettingsMaxSpeed, Request["StageSt
     TITLE = "Write stored setting: Maximum speed"
     MANUAL = "27"
     EFFECTS = ("stages",)
+    VARIABLES = {"max_speed": "stored_settings.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3355,6 +3383,7 @@ class StageStoredSettingMaxAngleRequest(StoredSettingsMaxAngle, Request["StageSt
     TITLE = "Write stored setting: Maximum angle"
     MANUAL = "27"
     EFFECTS = ("stages",)
+    VARIABLES = {"max_angle": "stored_settings.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3381,6 +3410,7 @@ class StageStoredSettingCurrentRampRequest(StoredSettingsCurrentRamp, Request["S
     TITLE = "Write stored setting: Current ramp"
     MANUAL = "27"
     EFFECTS = ("stages",)
+    VARIABLES = {"current_ramp": "stored_settings.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3407,6 +3437,7 @@ class StageStoredSettingSpeedRampRequest(StoredSettingsSpeedRamp, Request["Stage
     TITLE = "Write stored setting: Speed ramp"
     MANUAL = "27"
     EFFECTS = ("stages",)
+    VARIABLES = {"speed_ramp": "stored_settings.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3433,6 +3464,11 @@ class StageStoredSettingAnglePidRequest(PidGains, Request["StageStoredSettingAng
     TITLE = "Write stored setting: Gains of the position loop"
     MANUAL = "27"
     EFFECTS = ("stages",)
+    VARIABLES = {
+        "kp": "stored_settings.angle_pid.kp",
+        "ki": "stored_settings.angle_pid.ki",
+        "kd": "stored_settings.angle_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3459,6 +3495,11 @@ class StageStoredSettingSpeedPidRequest(PidGains, Request["StageStoredSettingSpe
     TITLE = "Write stored setting: Gains of the speed loop"
     MANUAL = "27"
     EFFECTS = ("stages",)
+    VARIABLES = {
+        "kp": "stored_settings.speed_pid.kp",
+        "ki": "stored_settings.speed_pid.ki",
+        "kd": "stored_settings.speed_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3485,6 +3526,11 @@ class StageStoredSettingCurrentPidRequest(PidGains, Request["StageStoredSettingC
     TITLE = "Write stored setting: Gains of the current loop"
     MANUAL = "27"
     EFFECTS = ("stages",)
+    VARIABLES = {
+        "kp": "stored_settings.current_pid.kp",
+        "ki": "stored_settings.current_pid.ki",
+        "kd": "stored_settings.current_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3604,6 +3650,7 @@ class BrakeReply(Reply):
     ID = 0x180
     CODE = 0x8C
     NODES = (1, 32)
+    VARIABLES = {"state": "brake"}
 
     __match_args__ = ("state",)
     TYPES = {"state": _BrakeState}
@@ -3794,6 +3841,11 @@ class ReadControlParameterAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.angle_pid.kp",
+        "ki": "control_parameters.angle_pid.ki",
+        "kd": "control_parameters.angle_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3813,6 +3865,11 @@ class ReadControlParameterSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.speed_pid.kp",
+        "ki": "control_parameters.speed_pid.ki",
+        "kd": "control_parameters.speed_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3832,6 +3889,11 @@ class ReadControlParameterCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.current_pid.kp",
+        "ki": "control_parameters.current_pid.ki",
+        "kd": "control_parameters.current_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3851,6 +3913,7 @@ class ReadControlParameterMaxTorqueCurrentReply(ControlParametersMaxTorqueCurren
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3870,6 +3933,7 @@ class ReadControlParameterMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3889,6 +3953,7 @@ class ReadControlParameterUpperAngleReply(ControlParametersUpperAngle, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {"upper_angle": "control_parameters.upper_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3908,6 +3973,7 @@ class ReadControlParameterLowerAngleReply(ControlParametersLowerAngle, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {"lower_angle": "control_parameters.lower_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3927,6 +3993,7 @@ class ReadControlParameterSpeedRampReply(ControlParametersSpeedRamp, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3946,6 +4013,11 @@ class WriteControlParameterRamAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.angle_pid.kp",
+        "ki": "control_parameters.angle_pid.ki",
+        "kd": "control_parameters.angle_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3965,6 +4037,11 @@ class WriteControlParameterRamSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.speed_pid.kp",
+        "ki": "control_parameters.speed_pid.ki",
+        "kd": "control_parameters.speed_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3984,6 +4061,11 @@ class WriteControlParameterRamCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "control_parameters.current_pid.kp",
+        "ki": "control_parameters.current_pid.ki",
+        "kd": "control_parameters.current_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4003,6 +4085,7 @@ class WriteControlParameterRamMaxTorqueCurrentReply(ControlParametersMaxTorqueCu
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4022,6 +4105,7 @@ class WriteControlParameterRamMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4041,6 +4125,7 @@ class WriteControlParameterRamUpperAngleReply(ControlParametersUpperAngle, Reply
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {"upper_angle": "control_parameters.upper_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4060,6 +4145,7 @@ class WriteControlParameterRamLowerAngleReply(ControlParametersLowerAngle, Reply
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {"lower_angle": "control_parameters.lower_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4079,6 +4165,7 @@ class WriteControlParameterRamSpeedRampReply(ControlParametersSpeedRamp, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4340,6 +4427,7 @@ class ReadMultiTurnAngleReply(Reply):
     ID = 0x180
     CODE = 0x92
     NODES = (1, 32)
+    VARIABLES = {"angle": "multi_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": MULTI_TURN_ANGLE}
@@ -4400,6 +4488,7 @@ class ReadSingleTurnAngleReply(Reply):
     ID = 0x180
     CODE = 0x94
     NODES = (1, 32)
+    VARIABLES = {"angle": "single_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
@@ -4477,6 +4566,7 @@ class ReadStatus1Reply(Status1, Reply):
     ID = 0x180
     CODE = 0x9A
     NODES = (1, 32)
+    PLAUSIBLE = {"voltage": 600}
 
 
 class ClearErrorsReply(Status1, Reply):
@@ -4492,6 +4582,7 @@ class ClearErrorsReply(Status1, Reply):
     ID = 0x180
     CODE = 0x9B
     NODES = (1, 32)
+    PLAUSIBLE = {"voltage": 600}
 
 
 class ReadStatus2Reply(MotionFeedback, Reply):
@@ -4626,6 +4717,7 @@ class ReadStoredSettingDriverIdReply(StoredSettingsDriverId, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {"driver_id": "stored_settings.driver_id"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4645,6 +4737,7 @@ class ReadStoredSettingBusTypeReply(StoredSettingsBusType, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {"bus_type": "stored_settings.bus_type"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4664,6 +4757,7 @@ class ReadStoredSettingRs485BaudRateReply(StoredSettingsRs485BaudRate, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {"rs485_baud_rate": "stored_settings.rs485_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4683,6 +4777,7 @@ class ReadStoredSettingCanBaudRateReply(StoredSettingsCanBaudRate, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {"can_baud_rate": "stored_settings.can_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4702,6 +4797,7 @@ class ReadStoredSettingMaxPowerReply(StoredSettingsMaxPower, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {"max_power": "stored_settings.max_power"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4721,6 +4817,7 @@ class ReadStoredSettingMaxSpeedReply(StoredSettingsMaxSpeed, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {"max_speed": "stored_settings.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4740,6 +4837,7 @@ class ReadStoredSettingMaxAngleReply(StoredSettingsMaxAngle, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {"max_angle": "stored_settings.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4759,6 +4857,7 @@ class ReadStoredSettingCurrentRampReply(StoredSettingsCurrentRamp, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {"current_ramp": "stored_settings.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4778,6 +4877,7 @@ class ReadStoredSettingSpeedRampReply(StoredSettingsSpeedRamp, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {"speed_ramp": "stored_settings.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4797,6 +4897,11 @@ class ReadStoredSettingAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "stored_settings.angle_pid.kp",
+        "ki": "stored_settings.angle_pid.ki",
+        "kd": "stored_settings.angle_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4816,6 +4921,11 @@ class ReadStoredSettingSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "stored_settings.speed_pid.kp",
+        "ki": "stored_settings.speed_pid.ki",
+        "kd": "stored_settings.speed_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4835,6 +4945,11 @@ class ReadStoredSettingCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "stored_settings.current_pid.kp",
+        "ki": "stored_settings.current_pid.ki",
+        "kd": "stored_settings.current_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4854,6 +4969,7 @@ class StageStoredSettingDriverIdReply(StoredSettingsDriverId, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {"driver_id": "stored_settings.driver_id"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4873,6 +4989,7 @@ class StageStoredSettingBusTypeReply(StoredSettingsBusType, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {"bus_type": "stored_settings.bus_type"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4892,6 +5009,7 @@ class StageStoredSettingRs485BaudRateReply(StoredSettingsRs485BaudRate, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {"rs485_baud_rate": "stored_settings.rs485_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4911,6 +5029,7 @@ class StageStoredSettingCanBaudRateReply(StoredSettingsCanBaudRate, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {"can_baud_rate": "stored_settings.can_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4930,6 +5049,7 @@ class StageStoredSettingMaxPowerReply(StoredSettingsMaxPower, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {"max_power": "stored_settings.max_power"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4949,6 +5069,7 @@ class StageStoredSettingMaxSpeedReply(StoredSettingsMaxSpeed, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {"max_speed": "stored_settings.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4968,6 +5089,7 @@ class StageStoredSettingMaxAngleReply(StoredSettingsMaxAngle, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {"max_angle": "stored_settings.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4987,6 +5109,7 @@ class StageStoredSettingCurrentRampReply(StoredSettingsCurrentRamp, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {"current_ramp": "stored_settings.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5006,6 +5129,7 @@ class StageStoredSettingSpeedRampReply(StoredSettingsSpeedRamp, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {"speed_ramp": "stored_settings.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5025,6 +5149,11 @@ class StageStoredSettingAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "stored_settings.angle_pid.kp",
+        "ki": "stored_settings.angle_pid.ki",
+        "kd": "stored_settings.angle_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5044,6 +5173,11 @@ class StageStoredSettingSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "stored_settings.speed_pid.kp",
+        "ki": "stored_settings.speed_pid.ki",
+        "kd": "stored_settings.speed_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5063,6 +5197,11 @@ class StageStoredSettingCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
+    VARIABLES = {
+        "kp": "stored_settings.current_pid.kp",
+        "ki": "stored_settings.current_pid.ki",
+        "kd": "stored_settings.current_pid.kd",
+    }
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5314,6 +5453,8 @@ client_facts = ClientFacts(
         ReadStoredSettingCurrentPidRequest,
     ),
     {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
+    {"on": ((MotorOnRequest,), (), {"motor_state": 0}), "off": ((MotorOffRequest,), ("moves",), {"motor_state": 16})},
+    (),
     answers_in_order=True,
 )
 """What the client knows of this edition."""
@@ -5972,4 +6113,5 @@ decode_request = _dispatcher.requests.decode
 decode_reply = _dispatcher.replies.decode
 decode_answer = _dispatcher.decode_answer
 check_reply = _dispatcher.check_reply
+replies_to = _dispatcher.replies_to
 share_a_reply = _dispatcher.share_a_reply

@@ -34,6 +34,7 @@ COMMANDS = {
     "schema": ("schema", "Print the JSON Schema of the language, for editors."),
     "show": ("show", "Show one COMMAND, by name, by code (0x10), or by the CAN id of a broadcast."),
     "site": ("site", "Build the pages into a website with search, in every language."),
+    "test": ("test", "Replay the golden frames of the specs through generated code."),
 }
 """The module of each command, and the first line of its help. Only the module of the command that runs is imported."""
 
@@ -56,6 +57,7 @@ HELP = """Usage: canwright [OPTIONS] COMMAND [ARGS]...
     canwright site                                  build the pages into a website
     canwright init FAMILY                           start the spec of your own protocol
     canwright frames SPEC                           print golden frames to fill in
+    canwright test                                  test generated code with your golden frames
     canwright generate --spec my.yaml --out out     generate your own protocol
 
   `canwright COMMAND --help` lists the options of a command.

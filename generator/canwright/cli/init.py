@@ -143,7 +143,7 @@ def init(
         stop(str(error))
     print_text(
         "Replace the commands by those of the manual, and remove the golden frames of each command that you remove.\n"
-        f"Then run: canwright frames {target.as_posix()}, and canwright check --spec {target.as_posix()}\n",
+        f"Then run: canwright frames {target.as_posix()}, and canwright test --spec {target.as_posix()}\n",
         error=True,
     )
 

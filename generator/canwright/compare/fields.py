@@ -13,7 +13,7 @@ from ..model.layout import ChecksumRole, CounterRole, Field, Layout, NodeRole, R
 from ..model.message import Message
 from ..model.types import Encoding, Type
 from . import match, quantities
-from .change import Category, Change, Item, Keyword, SentenceArgument
+from .change import Category, Change, Impact, Item, Keyword, SentenceArgument
 from .collector import Attribute, Subject
 from .forms import constants
 
@@ -99,6 +99,7 @@ _OF_FIELD = (
     Attribute[Field](
         "holds-changed", "holds", lambda f: Keyword("the node" if isinstance(f.role, NodeRole) else "a value")
     ),
+    Attribute[Field]("variable-changed", "variable", lambda f: f.variable or Keyword("none"), impact=Impact.SILENT),
 )
 
 

@@ -82,6 +82,7 @@ def constants(message: Message) -> Mapping[str, Field]:
             is_array=False,
             only=(),
             role=ConstantRole(key.value),
+            variable=None,
             title={},
             about={},
             manual="",

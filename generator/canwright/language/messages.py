@@ -103,6 +103,13 @@ class FieldSpec(Description):
             examples=("0..14",),
         ),
     ] = None
+    variable: Annotated[
+        Name | None,
+        Doc(
+            "The variable of the node that a request writes with this field, or that a reply reads, if it has another name than "
+            "the field. The fields of a table entry need none. A variable whose enum has all `states` is set by their commands."
+        ),
+    ] = None
     manual: Annotated[Section | None, Doc("Section of the manual, if not that of the command.")] = None
     manual_name: NameInManual = None
 

@@ -93,9 +93,19 @@ class GoldenFrames:
     exchanges: Sequence[Exchange] = ()
 
     @property
-    def unreviewed(self) -> int:
-        """The number of entries without a source."""
-        return sum(not entry.source for entry in (*self.frames, *self.refused, *self.exchanges))
+    def entries(self) -> Mapping[tuple[str, int], Sourced]:
+        """All entries by their paths in the file."""
+        lists: Mapping[str, Sequence[Sourced]] = {
+            "frames": self.frames,
+            "refused": self.refused,
+            "exchanges": self.exchanges,
+        }
+        return {(key, i): entry for key, entries in lists.items() for i, entry in enumerate(entries)}
+
+    @property
+    def unreviewed(self) -> Sequence[tuple[str, int]]:
+        """The paths of the entries without a source."""
+        return [path for path, entry in self.entries.items() if not entry.source]
 
     @cached_property
     def reviewed(self) -> GoldenFrames:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..diagnostics.diagnostic import Diagnostic, SpecError
 from ..document.document import MAX_BYTES, Document, read_document
@@ -14,13 +15,15 @@ from ..language.decoder import decode
 from ..language.edition import EditionSpec
 from ..language.references import check_references
 from ..model.edition import Edition
-from ..model.golden_frames import GoldenFrames
 from ..resolve.edition import resolve
 from ..rules.checker import check
 from ..rules.rule import CheckInput
 from ..targets.base import EditionInput
 from ..targets.registry import targets
 from ..templating.resources import QUESTIONS, QUICK_START, SYNONYMS, UNITS
+
+if TYPE_CHECKING:
+    from .golden_file import GoldenFile
 
 FRAMES_SUFFIX = ".frames.yaml"
 _NO_SPECS = tuple(file.name for file in (UNITS, SYNONYMS, QUESTIONS, QUICK_START))
@@ -33,6 +36,8 @@ class Loaded:
     specification: EditionInput
     document: Document
     warnings: tuple[Diagnostic, ...]
+    golden: GoldenFile | None
+    """All golden frames, of which the input of targets has those with a source."""
 
 
 def load(file: Path, name: str | None = None, *, for_output: bool = True) -> Loaded:
@@ -46,19 +51,18 @@ def load(file: Path, name: str | None = None, *, for_output: bool = True) -> Loa
     decoded = decode(document, EditionSpec)
     check_references(document, decoded.names)
     edition = resolve(document, decoded.value)
-    golden_frames, frames_document = _golden_frames(frames_file(file), edition) if for_output else (None, None)
-    warnings = check(
-        CheckInput(edition, decoded.value, golden_frames), document, frames_document, for_output=for_output
-    )
-    reviewed = golden_frames and golden_frames.reviewed
-    return Loaded(EditionInput(edition, reviewed), document, tuple(sorted(warnings, key=lambda d: d.place)))
+    golden = _golden_file(frames_file(file), edition) if for_output else None
+    frames, frames_document = golden or (None, None)
+    warnings = check(CheckInput(edition, decoded.value, frames), document, frames_document, for_output=for_output)
+    reviewed = frames and frames.reviewed
+    return Loaded(EditionInput(edition, reviewed), document, tuple(sorted(warnings, key=lambda d: d.place)), golden)
 
 
-def _golden_frames(file: Path, edition: Edition) -> tuple[GoldenFrames, Document] | tuple[None, None]:
-    """The golden frames in a file and their document, if it is there."""
+def _golden_file(file: Path, edition: Edition) -> GoldenFile | None:
+    """The golden frames in a file, if it is there."""
     from .golden_file import read_golden_file  # not every command needs them
 
-    return read_golden_file(file, edition) if file.is_file() else (None, None)
+    return read_golden_file(file, edition) if file.is_file() else None
 
 
 def specification(file: Path) -> EditionInput:

@@ -48,5 +48,7 @@ LOAD_RULES: tuple[Rule, ...] = (
     ),
     Rule("incomplete-choice", "What depends on a parameter is given for each of its values."),
     Rule("stale-output", "The generated files agree with the specs."),
+    Rule("target-contradiction", "Generated code decodes, encodes and rejects golden frames as listed."),
+    Rule("not-tested", "A test asks at least one golden frame of each edition."),
     Rule("parameter-kind", "A parameter is a choice or a number, and is used only where its kind is allowed."),
 )

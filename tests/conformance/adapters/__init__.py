@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..adapter import Adapter
+from canwright.conformance.adapter import Adapter
+from canwright.conformance.dbc import DbcAdapter
+from canwright.conformance.python import PythonAdapter
+
 from .c import CAdapter
 from .columns import ColumnsAdapter
 from .cxx import CxxAdapter
-from .dbc import DbcAdapter
 from .docs import DocsAdapter
 from .javascript import JavaScriptAdapter
-from .python import PythonAdapter
 from .reference import ReferenceAdapter
 from .wireshark import WiresharkAdapter
 

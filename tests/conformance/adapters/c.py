@@ -9,19 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import ClassVar
 
-from canwright.model.edition import Edition
-from canwright.model.joined import Joined, JoinedText
-from canwright.model.layout import Field, Layout
-from canwright.model.message import Direction, Message
-from canwright.model.refusal import Refusal
-from canwright.model.types import NO_PARAMETERS, Encoding
-from canwright.semantics.exchange import exchange_plans
-from canwright.semantics.frame import code_of
-from canwright.targets.base import EditionInput
-from canwright.targets.c.target import CTarget
-
-from ...compilers import build
-from ..adapter import (
+from canwright.conformance.adapter import (
     Adapter,
     CanFrame,
     Cannot,
@@ -35,6 +23,18 @@ from ..adapter import (
     assignment,
     write_files,
 )
+from canwright.model.edition import Edition
+from canwright.model.joined import Joined, JoinedText
+from canwright.model.layout import Field, Layout
+from canwright.model.message import Direction, Message
+from canwright.model.refusal import Refusal
+from canwright.model.types import NO_PARAMETERS, Encoding
+from canwright.semantics.exchange import exchange_plans
+from canwright.semantics.frame import code_of
+from canwright.targets.base import EditionInput
+from canwright.targets.c.target import CTarget
+
+from ...compilers import build
 from .c_facts import Facts
 from .c_harness import harness, header_text
 

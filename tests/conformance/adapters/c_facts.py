@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
+from canwright.conformance.adapter import Parameters, Refused, assignment
 from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Direction
@@ -28,7 +29,6 @@ from canwright.targets.c.names import Names, layouts
 
 from ...float_rule import nearest_integer
 from ...verification.floating import DOUBLE, SINGLE, bits_of, is_finite, number_of
-from ..adapter import Parameters, Refused, assignment
 from .c_signatures import Stored, functions
 from .reference import as_double
 

@@ -9,17 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
-from canwright.model.edition import Edition
-from canwright.model.layout import Field
-from canwright.model.message import Direction
-from canwright.model.refusal import Refusal
-from canwright.model.types import NO_PARAMETERS, Encoding
-from canwright.targets.base import EditionInput
-from canwright.targets.columns.target import TARGET, package_name
-from canwright.targets.columns.view import columns_of, constant_name
-from canwright.targets.options import Options
-
-from ..adapter import (
+from canwright.conformance.adapter import (
     CanFrame,
     Cannot,
     Decoded,
@@ -30,7 +20,16 @@ from ..adapter import (
     Value,
     write_files,
 )
-from .modules import load
+from canwright.conformance.modules import load
+from canwright.model.edition import Edition
+from canwright.model.layout import Field
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.model.types import NO_PARAMETERS, Encoding
+from canwright.targets.base import EditionInput
+from canwright.targets.columns.target import TARGET, package_name
+from canwright.targets.columns.view import columns_of, constant_name
+from canwright.targets.options import Options
 
 
 class ColumnsAdapter(DecodeOnlyAdapter):

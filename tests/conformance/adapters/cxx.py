@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
+from canwright.conformance.adapter import write_files
 from canwright.model.edition import Edition
 from canwright.model.layout import Field, Layout
 from canwright.model.types import Encoding
@@ -18,7 +19,6 @@ from canwright.targets.c.target import CTarget
 from canwright.targets.c.view import edition_view
 
 from ...compilers import SANITIZED, WARNINGS, ZIG
-from ..adapter import write_files
 from .c import CAdapter
 from .c_signatures import Stored
 

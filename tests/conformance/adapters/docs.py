@@ -12,14 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, ClassVar
 
-from canwright.model.edition import Edition
-from canwright.model.message import Direction
-from canwright.model.refusal import Refusal
-from canwright.model.types import NO_PARAMETERS
-from canwright.targets.base import EditionInput
-from canwright.targets.docs.target import DocsTarget
-
-from ..adapter import (
+from canwright.conformance.adapter import (
     Adapter,
     CanFrame,
     Cannot,
@@ -32,6 +25,13 @@ from ..adapter import (
     Value,
     means_another,
 )
+from canwright.model.edition import Edition
+from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
+from canwright.model.types import NO_PARAMETERS
+from canwright.targets.base import EditionInput
+from canwright.targets.docs.target import DocsTarget
+
 from .docs_tables import FieldRow, MessagePage, Scale, forms, message, plain, tables
 
 

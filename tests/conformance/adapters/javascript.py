@@ -10,6 +10,18 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from canwright.conformance.adapter import (
+    Adapter,
+    CanFrame,
+    Decoded,
+    Encoded,
+    ExactValue,
+    Parameters,
+    Raw,
+    Refused,
+    Value,
+    write_files,
+)
 from canwright.model import formatting
 from canwright.model.edition import Edition
 from canwright.model.joined import JoinedText
@@ -22,7 +34,6 @@ from canwright.targets.javascript.package import module_path
 from canwright.targets.javascript.target import JavaScriptTarget
 
 from ...node import NODE
-from ..adapter import Adapter, CanFrame, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, Value, write_files
 
 HARNESS = Path(__file__).parent / "javascript_harness.mjs"
 

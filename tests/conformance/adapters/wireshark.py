@@ -8,14 +8,13 @@ from typing import Any, ClassVar
 
 import lupa.lua52
 import lupa.lua54
+from canwright.conformance.adapter import CanFrame, Cannot, Decoded, DecodeOnlyAdapter, Parameters, Refused, Value
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.model.types import NO_PARAMETERS
 from canwright.targets.base import EditionInput
 from canwright.targets.wireshark.target import WiresharkTarget
-
-from ..adapter import CanFrame, Cannot, Decoded, DecodeOnlyAdapter, Parameters, Refused, Value
 
 RUNTIMES = (lupa.lua52.LuaRuntime, lupa.lua54.LuaRuntime)
 

@@ -25,12 +25,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_35_2024_02_SPEC 0x61f434c4u
+#define MWD_MOTOR_V2_35_2024_02_SPEC 0x50fa002bu
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_35_2024_02_EDITION         "v2.35-2024-02"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_35_2024_02_SPEC_HASH       "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8"
+#define MWD_MOTOR_V2_35_2024_02_SPEC_HASH       "50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_35_2024_02_REPLY_WITHIN_US 250u
 

@@ -25,12 +25,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_36_2024_11_SPEC 0xe39f4195u
+#define MWD_MOTOR_V2_36_2024_11_SPEC 0xcd78d065u
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_36_2024_11_EDITION         "v2.36-2024-11"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_36_2024_11_SPEC_HASH       "e39f419561eaef6ecc8ce19c09e4dbe240f4077559aca2a86f25c8473d842446"
+#define MWD_MOTOR_V2_36_2024_11_SPEC_HASH       "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_36_2024_11_REPLY_WITHIN_US 250u
 

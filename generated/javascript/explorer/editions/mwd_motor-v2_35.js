@@ -4,7 +4,7 @@ canwright.editions.push({
   tables: {
     family: "mwd_motor",
     edition: "v2.35",
-    hash: "0cd70152cf4f43fd8dc6d7205f59c590a4c83815d8a29cb83576ac4d5eb55444",
+    hash: "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13",
     replyWithin: 0.25,
     parameters: {
       series: { values: ["MS", "MF", "MH", "MG"] },

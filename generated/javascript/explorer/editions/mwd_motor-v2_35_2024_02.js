@@ -4,7 +4,7 @@ canwright.editions.push({
   tables: {
     family: "mwd_motor",
     edition: "v2.35-2024-02",
-    hash: "61f434c4c94427ddebe6b99e5db7f9fd896e8b8142ed24f3135238bc1aaf4ea8",
+    hash: "50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5",
     replyWithin: 0.25,
     parameters: {
       series: { values: ["MS", "MF", "MH", "MG"] },

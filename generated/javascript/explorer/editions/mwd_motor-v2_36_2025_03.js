@@ -4,7 +4,7 @@ canwright.editions.push({
   tables: {
     family: "mwd_motor",
     edition: "v2.36-2025-03",
-    hash: "18e61f44a04dd3682186f07d67013942e78157fb5e76c54fa4fdaed19f5784e1",
+    hash: "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf",
     replyWithin: 0.25,
     parameters: {
       series: { values: ["MS", "MF", "MH", "MG"] },

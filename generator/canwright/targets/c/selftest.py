@@ -8,7 +8,15 @@ from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
 from ...model.edition import Edition
-from ...model.golden_frames import CheckedFrame, GoldenFrame, GoldenFrames, RawValue, RefusedFrame, RefusedValues
+from ...model.golden_frames import (
+    CheckedFrame,
+    GoldenFrame,
+    GoldenFrames,
+    RawValue,
+    RefusedFrame,
+    RefusedValues,
+    Sourced,
+)
 from ...model.layout import Field, Layout
 from ...model.message import Direction, Message
 from ...model.refusal import Refusal
@@ -54,6 +62,7 @@ class MessageCase:
 class Entry(NamedTuple):
     comment: str
     text: str
+    golden: Sourced
 
 
 class Table(NamedTuple):
@@ -119,7 +128,7 @@ class SelfTest:
             f"{len(frame.data)}u",
             " | ".join(flags) or "0u",
         )
-        return Entry(f"{frame.direction.value} of {frame.command}", text)
+        return Entry(f"{frame.direction.value} of {frame.command}", text, frame)
 
     def _rejections(self) -> Iterator[Entry]:
         for entry in self._frames.refused:
@@ -128,7 +137,7 @@ class SelfTest:
                 status = f"CANWRIGHT_{entry.says.name}"
                 known = self._parameters(entry.parameters)
                 text = _braces(self._stored(entry), f"{len(entry.data)}u", f"{known}u", f"{is_request}u", status)
-                yield Entry(f"{entry.decode.value}: {entry.says.value}", text)
+                yield Entry(f"{entry.decode.value}: {entry.says.value}", text, entry)
 
     def _refusals(self) -> Iterator[Entry]:
         """Raw integers that the function of a message rejects; it does not ask whether the node has the command."""
@@ -144,7 +153,7 @@ class SelfTest:
                         f"{self._parameters(entry.parameters)}u",
                         f"CANWRIGHT_{entry.says.name}",
                     )
-                    yield Entry(f"{entry.encode.value} of {entry.command}: {entry.says.value}", text)
+                    yield Entry(f"{entry.encode.value} of {entry.command}: {entry.says.value}", text, entry)
 
     def _exchanges(self) -> Iterator[Entry]:
         for entry in self._frames.exchanges if self._view.answers else ():
@@ -154,7 +163,7 @@ class SelfTest:
             text = _braces(
                 self._stored(entry.request), self._stored(entry.reply), *lengths, *known, f"CANWRIGHT_{status}"
             )
-            yield Entry(f"request and reply: {status.lower()}", text)
+            yield Entry(f"request and reply: {status.lower()}", text, entry)
 
     def _stored(self, frame: GoldenFrame | RefusedFrame | CheckedFrame) -> str:
         """A frame, without the bytes that its format does not have."""

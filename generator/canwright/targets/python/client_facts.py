@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.message import Command, EchoReply, Message
-from ...model.metadata import Repeat
+from ...model.layout import Field
+from ...model.message import Command, Direction, EchoReply, Message
+from ...model.metadata import Repeat, State
 from ...semantics.decoder import Decoder, Rejection
 from ...semantics.encoder import Encoder
 from . import code, text
+from .class_bodies import varying
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,6 +24,8 @@ class ClientFactsView:
     effects: code.Code
     reads: code.Code
     ends_motion: code.Code
+    states: code.Code
+    cyclic: code.Code
     answers_in_order: bool
 
 
@@ -47,6 +52,24 @@ def view(edition: Edition) -> ClientFactsView:
         effects=code.dict_of(effects),
         reads=code.tuple_of(text.class_name(c.request.name) for c in reads if c.request),
         ends_motion=code.dict_of(f"{text.literal(kind)}: {text.class_name(m.name)}" for kind, m in ends.items()),
+        states=code.dict_of(
+            code.tuple_of(
+                (
+                    code.tuple_of(text.class_name(request.name) for request in _entering(edition, state)),
+                    code.tuple_of(text.literal(effect.name) for effect in state.prevents),
+                    code.dict_of(
+                        f"{text.literal(variable)}: {raw}" for variable, raw in _containing(edition, state).items()
+                    ),
+                ),
+                f"{text.literal(state.name)}: ",
+            )
+            for state in sorted(edition.states, key=lambda state: not state.is_initial)
+        ),
+        cyclic=code.tuple_of(
+            text.class_name(message.name)
+            for message in edition.all_messages()
+            if message.direction is Direction.REPLY and message.sending and message.sending.every_ms is not None
+        ),
         answers_in_order=edition.bus.answers_in_order,
     )
 
@@ -79,6 +102,60 @@ def class_attributes(edition: Edition, command: Command) -> Iterator[code.Code]:
             yield "DIFFERS = True"
     if command.reply_within_ms is not None:
         yield f"REPLY_WITHIN_MS = {float(command.reply_within_ms)!r}"
+
+
+def _entering(edition: Edition, state: State) -> Iterator[Message]:
+    commands = (command for command in edition.commands if command.spec_name in state.entered_by)
+    return (command.request for command in commands if command.request)
+
+
+def _containing(edition: Edition, state: State) -> dict[str, int]:
+    """The variables whose values are states, each with the raw integer of this one."""
+    names = {known.name for known in edition.states}
+    raws: dict[str, int] = {}
+    for command in edition.commands:
+        for reply in command.replies:
+            for field, variable in _variables(command, reply.message).items():
+                members = {member.name: member.value for member in field.type.enum}
+                if names <= members.keys():
+                    raws[variable] = members[state.name]
+    return raws
+
+
+def _variables(command: Command, message: Message) -> dict[Field, str]:
+    """The variable of a node that each field contains, if it has one; in a reply each has one."""
+    values = varying(message.layout.fields)
+    entry = f"{command.entry.table}.{command.entry.name}" if command.entry else ""
+    own = [field for field in values if field.path[0] != "commands"] if entry else []
+    variables = {field: field.name for field in values} if message.direction is Direction.REPLY else {}
+    variables |= {field: entry if len(own) == 1 else f"{entry}.{field.name}" for field in own}
+    return variables | {field: field.variable for field in values if field.variable}
+
+
+def state_attributes(command: Command, message: Message) -> Iterator[code.Code]:
+    """Assignments of what a simulated node needs: the variables of fields, and raw integers where 0 is implausible."""
+    is_reply = message.direction is Direction.REPLY
+    states = [
+        f"{text.literal(text.attribute(field.name))}: {text.literal(variable)}"
+        for field, variable in _variables(command, message).items()
+        if not is_reply or variable != text.attribute(field.name)
+    ]
+    if states:
+        yield code.dict_of(states, "VARIABLES = ")
+    plausible = {field.name: _plausible_raw(field) for field in varying(message.layout.fields) if is_reply}
+    raws = [f"{text.literal(text.attribute(name))}: {raw}" for name, raw in plausible.items() if raw]
+    if raws:
+        yield code.dict_of(raws, "PLAUSIBLE = ")
+
+
+def _plausible_raw(field: Field) -> int:
+    """The plausible raw integer nearest to 0; 0 where that depends on parameters."""
+    limits, linear = field.type.plausible, field.type.linear.constant
+    if limits is None or linear is None or linear.times is not None or field.is_array:
+        return 0
+    low, high = ((bound.constant - linear.offset) / linear.scale for bound in (limits.low, limits.high))
+    low, high = min(low, high), max(low, high)
+    return math.ceil(low) if low > 0 else math.floor(high) if high < 0 else 0
 
 
 def is_read(edition: Edition, command: Command) -> bool:

@@ -155,6 +155,7 @@ class MessageViews:
             metadata=(
                 *(_class_attributes(command, self._bodies.parameters) if has_metadata else ()),
                 *(client_facts.class_attributes(self._edition, command) if is_request else ()),
+                *client_facts.state_attributes(command, message),
             ),
         )
 

@@ -15,7 +15,16 @@ from .messages import MessageViews
 from .runtime._codec import Message
 from .types import parameter_view, type_views
 
-SHARED = ("_codec.py", "_dispatch.py", "client.py", "client_asyncio.py", "exchange.py", "nodes.py", "python_can.py")
+SHARED = (
+    "_codec.py",
+    "_dispatch.py",
+    "client.py",
+    "client_asyncio.py",
+    "exchange.py",
+    "nodes.py",
+    "python_can.py",
+    "simulation.py",
+)
 """The modules of the runtime that are copied into the package of each family."""
 
 CONSTANTS = (
@@ -24,7 +33,7 @@ CONSTANTS = (
 )
 FUNCTIONS = (
     *("check_reply", "client_facts", "decode_answer", "decode_reply", "decode_request"),
-    *("has_node_in_data", "ids_of", "node_bits_of", "node_of", "share_a_reply"),
+    *("has_node_in_data", "ids_of", "node_bits_of", "node_of", "replies_to", "share_a_reply"),
 )
 
 

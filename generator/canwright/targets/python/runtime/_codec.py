@@ -1009,6 +1009,10 @@ class Message:
     """Of a read: whether the frame of its reply always differs from that of the request."""
     REPLY_WITHIN_MS: ClassVar[float | None] = None
     """The longest time to its reply, if that of the edition does not apply."""
+    VARIABLES: ClassVar[Mapping[str, str]] = {}
+    """The variables of a node that the fields of a request write, and those that the fields of a reply read under another name."""
+    PLAUSIBLE: ClassVar[Mapping[str, int]] = {}
+    """Raw integers that a working node can send in the fields of a reply where 0 is implausible."""
     LIMITED_BY: ClassVar[tuple[str, ...]] = ()
     """The settings of the host that limit it."""
     ONLY: ClassVar[Mapping[str, tuple[object, ...]]] = {}
@@ -1211,6 +1215,20 @@ class Message:
         names = {name: self.TYPES[name].no_value(raw) for name, raw in self.raw().items()}
         return {name: named for name, named in names.items() if named is not None}
 
+    def out_of_range(self) -> dict[str, str]:
+        """The fields whose raw integers are outside their range, or have no name in their enum or flags, each with the reason.
+
+        Only a decoded message can have any: decoding accepts every value, `encode` and constructors reject these.
+        """
+        reasons: dict[str, str] = {}
+        for name, raw in () if self._checked else self.raw().items():
+            try:
+                self.TYPES[name].check(raw, self._parameters, name)
+            except CodecError as error:
+                if error.refusal in (Refusal.OUT_OF_RANGE, Refusal.NOT_FINITE):
+                    reasons[name] = str(error)
+        return reasons
+
     def names(self) -> dict[str, Any]:
         """The numbers that have a name of the specification beside their value, such as `maximum`, each with this name.
 
@@ -1283,6 +1301,8 @@ class Message:
                 parts.append(f"{name}={(named if isinstance(named, str) else value)!r}")
             except CodecError:
                 parts.append(f"{name}_raw={raw!r}")
+        if outside := self.out_of_range():
+            parts.append(f"out_of_range={tuple(outside)}")
         if any(getattr(self._parameters, name) is not None for name in self.DEPENDS):
             parts.append(f"parameters={shown_parameters(self._parameters, self.DEPENDS)}")
         return f"{type(self).__name__}({', '.join(parts)})"
@@ -1314,7 +1334,7 @@ class Request(Message, Generic[R]):
 
 
 class ClientFacts(NamedTuple):
-    """What a client knows of an edition besides its frames."""
+    """What a client and a simulation know of an edition besides its frames."""
 
     effects: Mapping[str, tuple[str, str, bool]]
     """Title and consent of each effect, and whether a command with it can be sent again."""
@@ -1322,6 +1342,12 @@ class ClientFacts(NamedTuple):
     """Requests without values and effects, each with one reply from its node."""
     ends_motion: Mapping[str, type[Request[Any]]]
     """The requests that `stop` a node and `switch_off` one."""
+    states: Mapping[str, tuple[tuple[type[Request[Any]], ...], tuple[str, ...], Mapping[str, int]]]
+    """The states of a node, the one after power-up first: the requests that lead to each, the effects that it prevents, and
+    the variables that contain it, with their raw integers.
+    """
+    cyclic: tuple[type[Message], ...]
+    """The replies that a node sends without a request, every `EVERY_MS`."""
     answers_in_order: bool
     """Whether a node answers in the order of the requests; False if that is unknown."""
 

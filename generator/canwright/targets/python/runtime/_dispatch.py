@@ -497,6 +497,11 @@ class Dispatcher(Generic[P, Q, M]):
             reply = answer.reply.unpack(node, can_id, data, self._unknown if parameters is None else parameters)
         return cast("R", reply)
 
+    def replies_to(self, request: type[Message]) -> tuple[type[Message], ...]:
+        """The classes of the replies to a request: those that follow each other, then those that come instead."""
+        answer = self._answers.get(request)
+        return (answer.reply, *(further.reply for further in answer.further)) if answer else ()
+
     def share_a_reply(self, one: type[Message], other: type[Message]) -> bool:
         """Whether one frame can answer requests of both classes."""
         ours, theirs = (self._answers.get(request) for request in (one, other))

@@ -10,14 +10,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import ClassVar
 
-from canwright.model.edition import Edition
-from canwright.model.layout import Field
-from canwright.model.message import Direction, Message
-from canwright.model.refusal import Refusal
-from canwright.model.types import NO_PARAMETERS
-from canwright.semantics.confusion import is_confused
-from canwright.semantics.frame import CanFrame as CanFrame
-from canwright.targets.base import EditionInput, Output
+from ..model.edition import Edition
+from ..model.layout import Field
+from ..model.message import Direction, Message
+from ..model.refusal import Refusal
+from ..model.types import NO_PARAMETERS
+from ..semantics.confusion import is_confused
+from ..semantics.frame import CanFrame as CanFrame
+from ..targets.base import EditionInput, Output
 
 Raw = int | list[int]
 Value = float | str | list[str] | list[float] | None

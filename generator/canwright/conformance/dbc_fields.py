@@ -12,11 +12,11 @@ from fractions import Fraction
 
 from cantools.database.can import Message, Signal
 from cantools.database.namedsignalvalue import NamedSignalValue
-from canwright.model.layout import Field
-from canwright.model.refusal import Refusal
-from canwright.model.types import Encoding, factors
 
-from ..adapter import Cannot, ExactValue, Refused, Value
+from ..model.layout import Field
+from ..model.refusal import Refusal
+from ..model.types import Encoding, factors
+from .adapter import Cannot, ExactValue, Refused, Value
 
 Number = int | float
 Data = dict[str, Number | str]

@@ -13,23 +13,22 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
-from canwright.model import formatting
-from canwright.model.layout import ReservedRole, Space
-from canwright.model.message import Direction, Message
-from canwright.model.refusal import Refusal
-from canwright.model.types import NO_PARAMETERS, Assignment
-from canwright.semantics.configured import configured
-from canwright.semantics.decoder import Decoder, Identified
-from canwright.semantics.dispatch import dispatch_plan
-from canwright.semantics.frame import has_id, is_message, raw_of, wrong_constants
-from canwright.targets.base import EditionInput
-from canwright.targets.dbc.files import files
-from canwright.targets.dbc.frames import frames, obstacle
-from canwright.targets.dbc.printer import printed
-from canwright.targets.dbc.view import File
-from canwright.targets.options import NO_OPTIONS
-
-from ..adapter import (
+from ..model import formatting
+from ..model.layout import ReservedRole, Space
+from ..model.message import Direction, Message
+from ..model.refusal import Refusal
+from ..model.types import NO_PARAMETERS, Assignment
+from ..semantics.configured import configured
+from ..semantics.decoder import Decoder, Identified
+from ..semantics.dispatch import dispatch_plan
+from ..semantics.frame import has_id, is_message, raw_of, wrong_constants
+from ..targets.base import EditionInput
+from ..targets.dbc.files import files
+from ..targets.dbc.frames import frames, obstacle
+from ..targets.dbc.printer import printed
+from ..targets.dbc.view import File
+from ..targets.options import NO_OPTIONS
+from .adapter import (
     Adapter,
     CanFrame,
     Cannot,

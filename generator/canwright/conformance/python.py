@@ -10,18 +10,18 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
-from canwright.model.edition import Edition
-from canwright.model.joined import JoinedText
-from canwright.model.layout import Field, ReservedRole, Space
-from canwright.model.message import Direction
-from canwright.model.refusal import Refusal
-from canwright.model.types import NO_PARAMETERS
-from canwright.semantics.decoder import Decoder, Rejection
-from canwright.targets.base import EditionInput
-from canwright.targets.python.target import PythonTarget
-from canwright.targets.python.text import attribute, class_name
-
-from ..adapter import (
+from ..model.edition import Edition
+from ..model.joined import JoinedText
+from ..model.layout import Field, ReservedRole, Space
+from ..model.message import Direction
+from ..model.refusal import Refusal
+from ..model.types import NO_PARAMETERS
+from ..semantics.decoder import Decoder, Rejection
+from ..targets.base import EditionInput
+from ..targets.python.target import PythonTarget
+from ..targets.python.text import attribute, class_name
+from . import modules
+from .adapter import (
     Adapter,
     CanFrame,
     Cannot,
@@ -35,7 +35,6 @@ from ..adapter import (
     assignment,
     write_files,
 )
-from . import modules
 
 
 def load(folder: Path, edition: Edition) -> ModuleType:

@@ -11,16 +11,16 @@ from typing import Any
 import cantools
 from cantools.database import Database, DecodeError, EncodeError
 from cantools.database.can import Message as CanMessage, Signal
-from canwright.model.edition import Edition
-from canwright.model.layout import ChecksumRole, Field, Space
-from canwright.model.message import Command, Direction, Message
-from canwright.model.refusal import Refusal
-from canwright.model.types import Encoding, number_of
-from canwright.semantics.decoder import rejects_checked
-from canwright.semantics.frame import has_id
-from canwright.targets.dbc.text import fitting
 
-from ..adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, joined_value
+from ..model.edition import Edition
+from ..model.layout import ChecksumRole, Field, Space
+from ..model.message import Command, Direction, Message
+from ..model.refusal import Refusal
+from ..model.types import Encoding, number_of
+from ..semantics.decoder import rejects_checked
+from ..semantics.frame import has_id
+from ..targets.dbc.text import fitting
+from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, joined_value
 from .dbc_fields import Data, Number, cell_of_selector, cells, float_of, values_of
 
 KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}

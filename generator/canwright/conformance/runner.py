@@ -7,37 +7,55 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
-from canwright.model.edition import Edition
-from canwright.model.golden_frames import (
+from ..model.edition import Edition
+from ..model.golden_frames import (
     CheckedFrame,
     Exchange,
     GoldenFrame,
     GoldenFrames,
     RefusedFrame,
     RefusedValues,
+    Sourced,
 )
-from canwright.model.message import Message
-from canwright.model.types import Assignment, Type
-from canwright.semantics.decoder import Decoder, Rejection, value_of
-from canwright.semantics.frame import code_of, has_usual_code
-
+from ..model.message import Message
+from ..model.refusal import Refusal
+from ..model.types import Assignment, Type
+from ..semantics.decoder import Decoder, Rejection, value_of
+from ..semantics.frame import code_of, has_usual_code
 from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused, assignment
 
 DOUBLE_IS_EXACT = 1 << 50
 """Below this, raw -> value -> raw survives the two roundings of a double. Above, values are only decoded."""
 
 
+class Failure(NamedTuple):
+    """What a target does wrong with an entry of the golden frames; None for all of them."""
+
+    target: str
+    kind: str
+    entry: Sourced | None
+    wrong: str
+
+    def __str__(self) -> str:
+        return f"{self.target} {self.kind}: {_named(self.entry)}: {self.wrong}"
+
+
 @dataclass
 class Report:
-    """What a replay came to: cases by kind, exceptions by name, and what went wrong."""
+    """What a replay came to: cases by kind, exceptions by name, and what went wrong.
+
+    `asked` is the number of entries of which the target is asked anything, `failed` of those with a failure.
+    """
 
     target: str
     edition: str
     passed: Counter[str] = field(default_factory=Counter)
     exceptions: Counter[str] = field(default_factory=Counter)
-    failures: list[str] = field(default_factory=list)
+    failures: list[Failure] = field(default_factory=list)
+    asked: int = 0
+    failed: int = 0
 
 
 class Runner:
@@ -54,6 +72,7 @@ class Runner:
 
     def run(self) -> Report:
         """Replays everything; with `stop_at_first`, up to the first failure."""
+        asked, failed = set(), set()
         for kind, case, entry in self._cases():
             try:
                 wrong = case()
@@ -61,15 +80,20 @@ class Runner:
                 assert exception.name in self._adapter.cannot, f"{exception.name} is not a listed exception"
                 self.report.exceptions[exception.name] += 1
                 continue
+            except Exception as error:  # of generated code
+                wrong = f"raises {type(error).__name__}: {error}"
+            asked.add(id(entry))
             if wrong:
-                self.report.failures.append(f"{self._adapter.name} {kind}: {_named(entry)}: {wrong}")
+                failed.add(id(entry))
+                self.report.failures.append(Failure(self._adapter.name, kind, entry, wrong))
                 if self._stop_at_first:
                     break
             else:
                 self.report.passed[kind] += 1
+        self.report.asked, self.report.failed = len(asked), len(failed)
         return self.report
 
-    def _cases(self) -> Iterator[tuple[str, Callable[[], str], object]]:
+    def _cases(self) -> Iterator[tuple[str, Callable[[], str], Sourced]]:
         """Every case: its kind, what says what is wrong with it, and the entry it comes from."""
         for frame in self._frames.frames:
             yield "decode", partial(self._decode, frame), frame
@@ -103,17 +127,17 @@ class Runner:
 
     def _compare(self, frame: GoldenFrame, answer: Decoded | Refused, message: Message) -> str:
         if not isinstance(answer, Decoded):
-            return f"refused: {answer}"
+            return _shown(answer)
         if self._adapter.message_of(frame.direction, answer.command) is not message:
             return f"decoded as {answer.command}, not as {message.name}"
         in_data = message.node_in_data
         if self._adapter.reports_code and answer.code != code_of(message, _can(frame)):
-            return f"code {answer.code}"
+            return f"code {answer.code}, not {code_of(message, _can(frame))}"
         node = frame.node if in_data is None else frame.raw[in_data.name]
         if answer.node != node:
             return f"node {answer.node}, not {node}"
         if dict(answer.raw) != dict(frame.raw):
-            return f"raw {dict(answer.raw)}, not {dict(frame.raw)}"
+            return f"raw {_shown(answer.raw)}, not {_shown(frame.raw)}"
         for name, wanted in frame.values.items():
             got = answer.values.get(name)
             raw = frame.raw[name]
@@ -121,7 +145,7 @@ class Runner:
             fields = {field.name: field for field in message.layout.fields}
             wanted = _number(fields[name].type, wanted, raw, assignment(frame.parameters))
             if not self._same(wanted, got, max(one_ulp, self._adapter.tolerance)):
-                return f"{name} is {got!r}, not {_shown(wanted)}"
+                return f"{name} is {_shown(got)}, not {_shown(wanted)}"
         return ""
 
     def _same(self, wanted: ExactValue, got: object, tolerance: float) -> bool:
@@ -161,13 +185,16 @@ class Runner:
         return None if has_usual_code(message, _can(frame)) else code_of(message, _can(frame))
 
     def _encoded(self, frame: GoldenFrame, answer: Encoded | Refused) -> str:
-        if answer == Encoded(frame.id, frame.data, frame.extended, frame.remote):
-            return ""
-        return f"wrote {answer}, not 0x{frame.id:X} {frame.data.hex(' ')}"
+        wanted = Encoded(frame.id, frame.data, frame.extended, frame.remote)
+        return "" if answer == wanted else f"{_shown(answer)}, not {_shown(wanted)}"
 
     def _refused_frame(self, entry: RefusedFrame) -> str:
         answer = self._adapter.decode(entry.decode, _can(entry), entry.parameters, None)
-        return "" if isinstance(answer, Refused) and answer.says is entry.says else f"{answer}, not {entry.says.value}"
+        return (
+            ""
+            if isinstance(answer, Refused) and answer.says is entry.says
+            else f"{_shown(answer)}, not {entry.says.value}"
+        )
 
     def _refused_values(self, entry: RefusedValues) -> str:
         if entry.values:
@@ -177,7 +204,7 @@ class Runner:
         else:
             answer = self._adapter.encode_raw(entry.encode, entry.command, entry.node, entry.raw, entry.parameters)
         if not isinstance(answer, Refused) or answer.says is not entry.says:
-            return f"{answer}, not {entry.says.value}"
+            return f"{_shown(answer)}, not {entry.says.value}"
         if entry.field_name is not None and answer.field != entry.field_name:
             return f"names {answer.field}, not {entry.field_name}"
         return ""
@@ -185,7 +212,11 @@ class Runner:
     def _exchange(self, entry: Exchange) -> str:
         answer = self._adapter.answers(_can(entry.request), _can(entry.reply), entry.parameters)
         says = answer.says if answer else None
-        return "" if says is entry.says else f"{says}, not {entry.says}"
+        return "" if says is entry.says else f"{_reason(says)}, not {_reason(entry.says)}"
+
+
+REASONS = {"beyond_double": "no double represents the value exactly, so it is only decoded"}
+"""What no target can express."""
 
 
 def _number(type_: Type, wanted: ExactValue, raw: int | list[int], known: Assignment) -> Any:
@@ -207,23 +238,36 @@ def _beyond_double(frame: GoldenFrame) -> bool:
     return any(abs(raw) >= DOUBLE_IS_EXACT for raw in raws)
 
 
-def _named(entry: object) -> str:
+def _named(entry: Sourced | None) -> str:
     if isinstance(entry, GoldenFrame):
-        given = f" {dict(entry.parameters)}" if entry.parameters else ""
-        return f"{entry.direction.value} {entry.command} 0x{entry.id:X} {entry.data.hex(' ')}{given}"
+        given = f" {_shown(entry.parameters)}" if entry.parameters else ""
+        return f"{entry.direction.value} {entry.command} {_shown(_can(entry))}{given}"
     if isinstance(entry, RefusedFrame):
-        return f"{entry.decode.value} 0x{entry.id:X} {entry.data.hex(' ')}"
+        return f"{entry.decode.value} {_shown(_can(entry))}"
     if isinstance(entry, RefusedValues):
         shown = _shown(entry.values or entry.raw)
-        return f"{entry.encode.value} {entry.command} node {entry.node} {shown} {dict(entry.parameters)}"
+        return f"{entry.encode.value} {entry.command} node {entry.node} {shown} {_shown(entry.parameters)}"
     if isinstance(entry, Exchange):
         return f"{entry.request.data.hex(' ')} then {entry.reply.data.hex(' ')}"
-    return str(entry)
+    return "all entries"
+
+
+def _reason(says: Refusal | None) -> str:
+    return says.value if says else "accepted as the reply"
 
 
 def _shown(value: object) -> str:
+    if isinstance(value, Refused):
+        return f"rejected with {value.says.value}" + (f", field {value.field}" if value.field else "")
+    if isinstance(value, Decoded):
+        return f"decoded as {value.command}: {_shown(value.raw)}"
+    if isinstance(value, (CanFrame, Encoded)):
+        flags = " extended" * value.extended + " remote" * value.remote
+        return f"0x{value.id:X}{flags} {value.data.hex(' ').upper()}".strip()
     if isinstance(value, Fraction):
         return str(float(value))
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{k}: {_shown(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_shown, value)) + "]"
     return str(value)

@@ -1,0 +1,347 @@
+"""Nodes without hardware: they answer on a python-can bus as their edition says, and store what is written to them.
+
+What a node does beyond that, such as moving, is a `Behaviour` that a program gives.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+import random
+import threading
+import time
+import warnings
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import can
+
+from ._codec import ArrayType, CodecError, FieldType, Message, Refusal, Request, new
+from .client import effects_of
+from .nodes import Node, Numbering
+from .python_can import from_message, to_message
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+POLL = 0.05
+"""The longest time in seconds that a simulation waits for a frame before it looks whether it has to end."""
+
+
+class Behaviour:
+    """What a node does besides storing values. Override what you need; each node has an object of its own."""
+
+    def command(self, node: SimulatedNode, request: Request[Any]) -> bool:
+        """Executes a request, after its values are stored and before it is answered. False if the node does not answer.
+
+        It is not called for a request without effect, because of the state of the node.
+        """
+        return True
+
+    def step(self, node: SimulatedNode, seconds: float) -> None:
+        """Changes `node.values` as time passes; called before each frame."""
+
+
+@dataclass
+class Faults:
+    """How often, from 0 to 1, something goes wrong, and how. The same `seed` gives the same faults."""
+
+    loss: float = 0.0
+    """Frames that are lost: requests and replies."""
+    late: float = 0.0
+    """Replies that come `late_by` seconds later."""
+    late_by: float = 0.05
+    twice: float = 0.0
+    """Replies that are sent twice."""
+    corrupt: float = 0.0
+    """Replies in which one bit of the data is wrong."""
+    echo: float = 0.0
+    """Requests that come back to their sender before the reply."""
+    silence: float = 0.0
+    """Requests after which the node is silent for `silent_for` seconds."""
+    silent_for: float = 1.0
+    power_loss: float = 0.0
+    """Requests before which the node starts again, with the values that it had first."""
+    seed: int = 1
+
+
+class SimulatedNode:
+    """One node, without a bus: `answer` returns its replies to a frame.
+
+    `values` are its variables: those that the specification names, the fields of table entries as `TABLE.ENTRY.FIELD`, and
+    all other fields of replies by their names. A value is in the unit of the field, or the raw integer where it has none.
+    `state` is one of the states of the edition.
+    """
+
+    def __init__(self, node: Node[Any, Any], behaviour: Behaviour | None = None, **values: Any) -> None:
+        self.node = node
+        self.behaviour = behaviour or Behaviour()
+        self.values: dict[str, Any] = {}
+        self.state = ""
+        self._first = values
+        self._numbering = Numbering()
+        self.power_on()
+
+    def __repr__(self) -> str:
+        return f"SimulatedNode({self.node!r}, state={self.state!r}, values={self.values!r})"
+
+    def power_on(self) -> None:
+        """Starts again: with the first values, in the state after power-up."""
+        self.values = dict(self._first)
+        self._enter(next(iter(self.node.edition.client_facts.states), ""))
+
+    def _enter(self, state: str) -> None:
+        self.state = state
+        if state:
+            self.values |= self.node.edition.client_facts.states[state][2]
+
+    def decode(self, frame: can.Message) -> Request[Any] | None:
+        """The request to this node in a frame; None if it is none."""
+        try:
+            request: Request[Any] = from_message(frame, self.node.decode_request)
+        except CodecError:
+            return None
+        is_asked = self.node.node in request.REPLIERS if request.REPLIERS else request.node in (None, self.node.node)
+        return request if is_asked else None
+
+    def answer(self, request: Request[Any]) -> list[Message]:
+        """Executes a request, and returns the replies; none, with a warning, if the parameters of the node do not suffice."""
+        states = self.node.edition.client_facts.states
+        prevented = states[self.state][1] if self.state else ()
+        effects = effects_of(request)
+        if not (effects and set(effects) <= set(prevented)):
+            self._store(request)
+            for state, (entering, _, _) in states.items():
+                if type(request) in entering:
+                    self._enter(state)
+            if not self.behaviour.command(self, request):
+                return []
+        kinds = self.node.edition.replies_to(type(request))
+        return self._frames(kinds, request)[: request.REPLIES // (len(request.REPLIERS) or 1)]
+
+    def cyclic(self, kind: type[Message]) -> list[Message]:
+        """The frames of one of the replies that a node sends without a request."""
+        return self._frames((kind,), None)
+
+    def _store(self, request: Request[Any]) -> None:
+        for name, variable in request.VARIABLES.items():
+            if name in request.fields() and request.raw()[name] not in request.EXEMPT.get(name, {}):
+                self.values[variable] = _value(request, name)
+
+    def _frames(self, kinds: Iterable[type[Message]], request: Request[Any] | None) -> list[Message]:
+        frames: list[Message] = []
+        try:
+            for kind in kinds:
+                numbers, part = getattr(kind, "FRAMES", range(1)), getattr(kind, "FRAME_FIELD", "")
+                for number in numbers:
+                    reply = self._reply(kind, request)
+                    frames.append(self._numbering.next(reply.replace(**{part: number}) if part else reply))
+        except CodecError as error:
+            warnings.warn(f"{self.node!r} does not answer {request}: {error}", stacklevel=2)
+            return []
+        return frames
+
+    def _reply(self, kind: type[Message], request: Request[Any] | None) -> Message:
+        blank = new(kind)
+        blank._parameters = parameters = self.node.parameters
+        raws = {name: self._raw(kind, name, parameters, request) for name in blank.fields()}
+        if kind.NODE_FIELD:
+            raws[kind.NODE_FIELD] = self.node.node & kind.NODE_MASK
+        return kind.from_raw(node=self.node.node if hasattr(kind, "NODES") else None, parameters=parameters, **raws)
+
+    def _raw(self, kind: type[Message], name: str, parameters: Any, request: Request[Any] | None) -> Any:
+        """The raw integer of a field: of its variable, of the same field of the request, or one that is valid."""
+        type_ = kind.TYPES[name]
+        variable = kind.VARIABLES.get(name, name)
+        if variable in self.values:
+            return _nearest_raw(type_, self.values[variable], parameters, name)
+        if request is not None and request.TYPES.get(name) is type_ and name in request.fields():
+            return request.raw()[name]
+        raw = _valid(type_, kind.PLAUSIBLE.get(name, 0), parameters, name)
+        return (raw,) * type_.count if isinstance(type_, ArrayType) else raw
+
+
+def _value(message: Message, name: str) -> Any:
+    """The value of a field; its raw integer where it has no scale, and the name where there is no value."""
+    try:
+        value = getattr(message, name)
+    except CodecError:
+        return message.raw()[name]
+    return message.no_values().get(name) if value is None else value
+
+
+def _nearest_raw(type_: FieldType, value: Any, parameters: Any, name: str) -> Any:
+    """The raw integer of a value; of one out of range the nearest limit. Raises CodecError, TypeError."""
+    try:
+        return type_.raw(value, parameters, name)
+    except CodecError as error:
+        if error.refusal in (Refusal.NO_SCALE, Refusal.MISSING_PARAMETER):
+            return type_.check(value, parameters, name)
+        if error.refusal is not Refusal.OUT_OF_RANGE or isinstance(value, str) or hasattr(value, "__iter__"):
+            raise
+        low, high = type_.value_range(parameters)
+        return type_.raw_range(parameters)[0 if abs(value - low) < abs(value - high) else 1]
+
+
+def _valid(type_: FieldType, raw: int, parameters: Any, name: str) -> int:
+    """A valid raw integer, the given one if possible."""
+    low, high = type_.raw_range(parameters)
+    one = type_.type if isinstance(type_, ArrayType) else type_
+    try:
+        return int(one.check(min(max(raw, low), high), parameters, name))
+    except CodecError:
+        return low
+
+
+class Simulation:
+    """Nodes on a python-can bus, which the caller opens and closes.
+
+    `behaviour` makes the behaviour of each node. Further arguments are first values of all nodes, by variable, such as
+    `voltage=48`; those of one node are `simulation[1].values`. `delay` is the time in seconds from a request to its reply.
+
+    `with simulation:` answers in a thread until the end of the block; `run` answers without one. Give the nodes of the client
+    another bus object of the same channel.
+    """
+
+    def __init__(
+        self,
+        bus: can.BusABC,
+        nodes: Iterable[Node[Any, Any]],
+        behaviour: Callable[[], Behaviour] = Behaviour,
+        *,
+        delay: float = 0.0,
+        faults: Faults | None = None,
+        **values: Any,
+    ) -> None:
+        self.bus = bus
+        self.nodes = {node.node: SimulatedNode(node, behaviour(), **values) for node in nodes}
+        self.faults = faults or Faults()
+        for field in fields(Faults):
+            if field.name not in ("seed", "late_by", "silent_for") and not 0 <= getattr(self.faults, field.name) <= 1:
+                raise ValueError(f"{field.name}={getattr(self.faults, field.name)!r} is no rate from 0 to 1")
+        self.received = 0
+        """Frames of hosts."""
+        self.answered = 0
+        """Replies that were sent."""
+        self.rejected = 0
+        """Frames that are no request to any of the nodes."""
+        self._delay = delay
+        self._random = random.Random(self.faults.seed)
+        self._silent: dict[int, float] = {}
+        self._due: list[tuple[float, int, can.Message]] = []
+        self._numbers = itertools.count()
+        self._last: dict[int, float] = {}
+        self._stepped = time.monotonic()
+        self._cycles = {
+            (number, kind): self._stepped
+            for number, node in self.nodes.items()
+            for kind in node.node.edition.client_facts.cyclic
+        }
+        self._thread: threading.Thread | None = None
+        self._is_ending = threading.Event()
+        self._error: BaseException | None = None
+
+    def __getitem__(self, number: int) -> SimulatedNode:
+        return self.nodes[number]
+
+    def run(self, seconds: float | None = None) -> None:
+        """Answers for a time in seconds, or until `stop` or an interrupt. Raises what the bus raises."""
+        until = math.inf if seconds is None else time.monotonic() + seconds
+        while not self._is_ending.is_set() and (now := time.monotonic()) < until:
+            due = [*(due for due, _, _ in self._due[:1]), *self._cycles.values()]
+            frame = self.bus.recv(max(0.0, min([POLL, until - now, *(at - now for at in due)])))
+            now = time.monotonic()
+            self.step(now)
+            if frame is not None and frame.is_rx and not frame.is_error_frame:
+                self.receive(frame, now)
+            self.flush(time.monotonic())
+
+    def step(self, now: float) -> None:
+        """Lets the time of all nodes pass, and sends the frames that they send without a request."""
+        seconds, self._stepped = now - self._stepped, now
+        for node in self.nodes.values():
+            node.behaviour.step(node, seconds)
+        for (number, kind), due in self._cycles.items():
+            if due <= now:
+                self._cycles[number, kind] = max(due + (kind.EVERY_MS or 0) / 1000, now)
+                if self._silent.get(number, 0.0) <= now:
+                    self._send(number, self.nodes[number].cyclic(kind), now)
+
+    def receive(self, frame: can.Message, now: float) -> None:
+        """Lets the nodes answer a frame."""
+        self.received += 1
+        faults, chance = self.faults, self._random.random
+        asked = [(number, node, request) for number, node in self.nodes.items() if (request := node.decode(frame))]
+        self.rejected += not asked
+        if chance() < faults.loss:
+            return
+        for number, node, request in asked:
+            if self._silent.get(number, 0.0) > now:
+                continue
+            if chance() < faults.power_loss:
+                node.power_on()
+            if chance() < faults.echo:
+                self._queue(number, now, frame)
+            self._send(number, node.answer(request), now)
+            if chance() < faults.silence:
+                self._silent[number] = now + faults.silent_for
+
+    def _send(self, number: int, replies: Iterable[Message], now: float) -> None:
+        """Sends the replies of a node in their order, with faults."""
+        faults, chance = self.faults, self._random.random
+        for reply in map(to_message, replies):
+            if chance() < faults.loss:
+                continue
+            if chance() < faults.corrupt and reply.data:
+                bit = self._random.randrange(8 * len(reply.data))
+                reply.data[bit // 8] ^= 1 << bit % 8
+            at = now + self._delay + (faults.late_by if chance() < faults.late else 0.0)
+            self._queue(number, at, reply)
+            if chance() < faults.twice:
+                self._queue(number, at, reply)
+
+    def _queue(self, number: int, at: float, frame: can.Message) -> None:
+        """A node answers in order: what comes after a late frame is late, too."""
+        at = self._last[number] = max(at, self._last.get(number, at))
+        heapq.heappush(self._due, (at, next(self._numbers), frame))
+
+    def flush(self, now: float) -> None:
+        """Sends the frames that are due. Raises what the bus raises."""
+        while self._due and self._due[0][0] <= now:
+            self.bus.send(heapq.heappop(self._due)[2])
+            self.answered += 1
+
+    def start(self) -> None:
+        """Answers in a thread, until `stop`."""
+        if self._thread is None:
+            self._is_ending.clear()
+            self._thread = threading.Thread(target=self._run, name="canwright simulation", daemon=True)
+            self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            self.run()
+        except BaseException as error:  # the program gets it from `stop`
+            self._error = error
+
+    def stop(self) -> None:
+        """Ends `run` or the thread. Raises what ended the thread before."""
+        self._is_ending.set()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+        if self._error is not None:
+            error, self._error = self._error, None
+            raise error
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.stop()
