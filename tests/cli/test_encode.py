@@ -72,6 +72,15 @@ def test_golden_frames_are_encoded_from_their_values(spec: Path) -> None:
         assert (result.exit_code, result.stdout.split()[-1:]) == (0, [formatting.sent(frame)]), result.output
 
 
+def test_a_number_can_be_given_by_its_name() -> None:
+    spec = next(spec for spec in SPECS if spec.parent.name == "pump")
+    result = run("set_duty", "duty=backwards", "--node=10", f"--spec={spec}")
+    assert result.stdout.split()[-1] == "0000000A#FFFE7960"
+    assert "-100000  -1.0 (backwards)" in result.stdout
+    refused = run("set_duty", "duty=back", "--node=10", f"--spec={spec}")
+    assert refused.exit_code == 1 and "there is no value `back`; did you mean `backwards`?" in refused.output
+
+
 @pytest.mark.usefixtures("lamp")
 def test_the_table_shows_what_is_sent_of_a_rounded_value() -> None:
     assert run("dim", "level=33.333", "--node", "1").stdout == (

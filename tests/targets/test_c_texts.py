@@ -11,7 +11,10 @@ from canwright.targets.c.target import CTarget
 from canwright.targets.c.text import fold
 
 from ..compilers import WARNINGS, ZIG
+from ..spec_texts import ROOT
 from .test_c_compiles import everything, headers, write
+
+PUMP = ROOT / "tests/specs/pump/v1.yaml"
 
 HOSTILE = [
     "*/ #error out /*",
@@ -102,6 +105,12 @@ def _compile(folder: Path, standard: str = "c99") -> None:
     language = ("-x", "c++") if standard.startswith("c++") else ()
     flags = (*WARNINGS, "-Wcomment", "-Wtrigraphs", *language, f"-I{include}")
     ZIG.check(standard, *flags, "-c", unit, "-o", folder / "unit.o")
+
+
+def test_comments_state_the_names_of_numbers() -> None:
+    made = {output.path: output.text for output in CTarget().generate([specification(PUMP)], {})}
+    comment = re.sub(r"\s*\n\s*\* ", " ", made["include/pump/v1.h"])
+    assert comment.count("Raw -100000..100000. Named: full (100000), backwards (-100000), still (0).") >= 2
 
 
 def test_two_things_with_one_name_in_c_are_refused(tmp_path: Path) -> None:

@@ -15,9 +15,9 @@ from ..model.message import Direction, Message
 from ..model.refusal import Refusal
 from ..model.types import Assignment, Order, Type
 from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_value, rejects_checked
-from ..semantics.encoder import Encoder, Encoders
+from ..semantics.encoder import SPECIAL, Encoder, Encoders
 from ..semantics.frame import CanFrame, Raw, code_of, difference, node_in_id, raws, sent_id
-from .golden_entries import KEY, EntryProblem, entry_findings, named
+from .golden_entries import KEY, EntryProblem, entry_findings, named, unknown_name
 from .rule import CheckInput, Findings, RelatedItem
 
 
@@ -244,7 +244,10 @@ def _values(
             continue  # already reported: the value follows from the raw integer
         value = field_value(fields[name], in_data[name], assignment)
         if not _same(wanted, _as_written(fields[name].type, wanted, in_data[name], value)):
-            problems.append((("values", name), *_other_value(fields[name], wanted == in_data[name], value, assignment)))
+            unknown = unknown_name(fields[name], wanted, ("none", *SPECIAL)) if fields[name].type.members else None
+            is_raw = wanted == in_data[name]
+            said = unknown or _other_value(fields[name], is_raw, value, assignment)
+            problems.append((("values", name), *said))
     return problems
 
 

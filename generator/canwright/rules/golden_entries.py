@@ -91,3 +91,13 @@ def _shown(field: Field, raw: Raw, value: Value | list[Value]) -> str:
     if isinstance(value, Fraction):
         return formatting.exact(value) + (f" {field.type.unit.symbol}" if field.type.unit else "")
     return f"raw {raw}" if value is None else value if isinstance(value, str) else f"[{', '.join(map(str, value))}]"
+
+
+def unknown_name(field: Field, value: object, reserved: Sequence[str]) -> tuple[str, str] | None:
+    """Text and hint for a value that is no name of a field, nor a reserved word; None without one."""
+    names = [member.name for member in field.type.members]
+    for part in value if isinstance(value, list) else (value,):
+        if isinstance(part, str) and part not in names and part not in reserved:
+            text = f"`{field.name}` has no value `{part}`" if names else f"`{field.name}` is a number"
+            return text, nearest(part, names) or "check the type in the spec"
+    return None

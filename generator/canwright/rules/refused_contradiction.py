@@ -15,7 +15,7 @@ from ..model.refusal import Refusal
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.encoder import SPECIAL, Encoder, Encoders
 from ..semantics.frame import CanFrame
-from .golden_entries import KEY, EntryProblem, described, entry_findings, named
+from .golden_entries import KEY, EntryProblem, described, entry_findings, named, unknown_name
 from .rule import CheckInput, Findings
 
 
@@ -121,14 +121,7 @@ def _mismatch(field: Field, value: Value) -> tuple[str, str] | None:
         return (f"`{field.name}` is one value", "write it without brackets") if isinstance(value, list) else None
     if isinstance(value, list) is not (field.is_array or bool(field.type.flags and not isinstance(value, str))):
         return _shape(field)
-    members = field.type.members
-    for part in value if isinstance(value, list) else (value,):
-        if isinstance(part, str) and not (field.type.is_number and part in SPECIAL):
-            names = [member.name for member in members]
-            if part not in names:
-                text = f"`{field.name}` has no value `{part}`" if members else f"`{field.name}` is a number"
-                return text, nearest(part, names) or "check the type in the spec"
-    return None
+    return unknown_name(field, value, SPECIAL if field.type.is_number else ())
 
 
 def _shape(field: Field) -> tuple[str, str]:

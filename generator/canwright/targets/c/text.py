@@ -137,7 +137,7 @@ def _folded(line: str) -> str:
 
 def type_facts(type_: Type, among: Sequence[str] = ()) -> list[str]:
     """Resolution and range of a type, only for the parameter values in `among` if there are any."""
-    return [sentence for sentence in (_scale(type_, among), _range(type_, among), _no_values(type_)) if sentence]
+    return [s for s in (_scale(type_, among), _range(type_, among), _no_values(type_), _names(type_)) if s]
 
 
 def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence[str], *, low_bits: bool) -> str:
@@ -208,6 +208,11 @@ def _range(type_: Type, among: Sequence[str]) -> str:
 def _no_values(type_: Type) -> str:
     named = (f"{no_value.name} ({formatting.no_value(no_value)})" for no_value in type_.no_values)
     return f"Without a value: {', '.join(named)}." if type_.no_values else ""
+
+
+def _names(type_: Type) -> str:
+    named = (f"{member.name} ({member.value})" for member in type_.names)
+    return f"Named: {', '.join(named)}." if type_.names else ""
 
 
 def _alternatives(parameter: str | None, cases: Iterable[tuple[str, str]]) -> list[str]:
