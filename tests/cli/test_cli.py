@@ -164,7 +164,9 @@ def test_an_interrupted_process_ends_with_130() -> None:
             try:
                 process.wait(10)
                 break
-            except subprocess.TimeoutExpired:  # an interrupt just before a read that waits does not end any Python program
+            except (
+                subprocess.TimeoutExpired
+            ):  # an interrupt just before a read that waits does not end any Python program
                 process.send_signal(signal.SIGINT)
         assert process.stderr
         assert (process.returncode, process.stderr.read()) == (130, b"")

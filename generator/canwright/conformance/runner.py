@@ -143,7 +143,7 @@ class Runner:
             raw = frame.raw[name]
             one_ulp = 2.0**-52 if isinstance(raw, int) and abs(raw) > 1 << 53 else 0.0
             fields = {field.name: field for field in message.layout.fields}
-            wanted = _number(fields[name].type, wanted, raw, assignment(frame.parameters))
+            wanted = as_number(fields[name].type, wanted, raw, assignment(frame.parameters))
             if not self._same(wanted, got, max(one_ulp, self._adapter.tolerance)):
                 return f"{name} is {_shown(got)}, not {_shown(wanted)}"
         return ""
@@ -219,10 +219,10 @@ REASONS = {"beyond_double": "no double represents the value exactly, so it is on
 """What no target can express."""
 
 
-def _number(type_: Type, wanted: ExactValue, raw: int | list[int], known: Assignment) -> Any:
+def as_number(type_: Type, wanted: ExactValue, raw: int | list[int], known: Assignment) -> Any:
     """What a frame with a raw integer is decoded as, if it is written as the name of a number: the number."""
     if isinstance(wanted, list) and isinstance(raw, list):
-        return [_number(type_, *each, known) for each in zip(wanted, raw, strict=True)]
+        return [as_number(type_, *each, known) for each in zip(wanted, raw, strict=True)]
     if isinstance(raw, int) and wanted in [member.name for member in type_.names]:
         return value_of(type_, raw, known)
     return wanted
