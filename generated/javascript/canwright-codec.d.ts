@@ -88,6 +88,8 @@ export interface FieldResult {
   readonly reason: Refusal | null;
   /** The name of the specification for no value of a number, such as `not_available`, or null; of an array, those of all elements. */
   readonly noValue: string | null | readonly (string | null)[];
+  /** The name that a number has beside its value, such as `maximum`, or null; of an array, those of all elements. */
+  readonly valueName: string | null | readonly (string | null)[];
 }
 
 /** One frame with its meaning; immutable. `values` are in units, and null where a raw integer has no value. */
@@ -176,6 +178,8 @@ export interface FieldDescription {
     readonly range: Dependent<readonly [low: Bound, high: Bound]> | undefined;
     /** The raw integers of a number that have no value, each with its name; null without any. An encoder writes the last one. */
     readonly noValues: readonly (readonly [first: number | bigint, last: number | bigint, name: string])[] | null;
+    /** The raw integers of a number that have a name beside their value; null without any. */
+    readonly names: readonly (readonly [raw: number | bigint, name: string])[] | null;
   };
 }
 

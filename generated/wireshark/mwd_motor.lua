@@ -1376,7 +1376,7 @@ local editions = {}
 
 editions[1] = codec.edition({
     name = "v2.35",
-    hash = "36ac540da349da269d68b8159a0c9e56169fe5e43096d7ebd3599c27d8ca094a",
+    hash = "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13",
     reply_within = 250000.0,
     types = {
         {width = 16, encoding = "signed", limits = {-850.0, 850.0}},
@@ -2647,7 +2647,7 @@ editions[1] = codec.edition({
 
 editions[2] = codec.edition({
     name = "v2.35-2024-02",
-    hash = "0b4e26fbcc150c7c5bf68523ab0c2e57edc24e371cc73a51e419f62103c42658",
+    hash = "50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
@@ -4043,7 +4043,7 @@ editions[2] = codec.edition({
 
 editions[3] = codec.edition({
     name = "v2.36-2024-11",
-    hash = "a2cb19c1cde7e7b49b81861bb265028ba9c296d707911a6cc9fa2f522aaf5b12",
+    hash = "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
@@ -5718,7 +5718,7 @@ editions[3] = codec.edition({
 
 editions[4] = codec.edition({
     name = "v2.36-2025-03",
-    hash = "69d95485ce236ab871867a47d2911ad61a1cb766acc8216d6f4d9f85bf9b28eb",
+    hash = "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},

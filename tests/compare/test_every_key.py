@@ -160,7 +160,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "FieldSpec.holds": {"tables.store.entries.gain.layout.gain.holds": "node"},
     "FieldSpec.counter": {"commands.seal.request.count.counter": "0..13"},
     "FieldSpec.checksum": {CHECKSUM: None},
-    "FieldSpec.state": {"commands.dim.request.level.state": "turns"},
+    "FieldSpec.variable": {"commands.dim.request.level.variable": "turns"},
     "FieldSpec.manual": {f"{FIELD}.manual": "9"},
     "FieldSpec.manual_name": {f"{FIELD}.manual_name": TEXT},
     "FlagSpec.title": {"types.state.flags.hot.title": TEXT},

@@ -176,22 +176,28 @@ def _fields(path: Path, fields: Data) -> Iterator[Mutant]:
             yield _drop((*at, "only"))
         if "holds" in field:
             yield _drop((*at, "holds"))
-        if "constant" in field:
-            constant = field["constant"]
-            yield _set((*at, "constant"), constant ^ 1 if isinstance(constant, int) else 1)
-        if "reserved" in field:
-            yield _set((*at, "reserved"), field["reserved"] ^ 1)
-            yield f"{_dotted(at)} checked", _renamed(at, "reserved", "constant")
+        yield from _role(at, field)
         if "array" in field:
             low, high = map(int, field["array"].split(".."))
             yield _set((*at, "array"), f"{low}..{high - 1}")
-        if "checksum" in field:
-            yield from _checksum((*at, "checksum"), field["checksum"])
         if "raw" in field and not {"constant", "reserved"} & set(field):
             yield from _raw((*at, "raw"), field["raw"])
     for first, second in zip(list(fields), list(fields)[1:], strict=False):
         if fields[first]["at"] != fields[second]["at"]:  # in one place under two parameter values: nothing would change
             yield f"{_dotted(path)} {first}<->{second}", _swap(path, first, second)
+
+
+def _role(at: Path, field: Data) -> Iterator[Mutant]:
+    if "constant" in field:
+        constant = field["constant"]
+        yield _set((*at, "constant"), constant ^ 1 if isinstance(constant, int) else 1)
+    if "reserved" in field:
+        yield _set((*at, "reserved"), field["reserved"] ^ 1)
+        yield f"{_dotted(at)} checked", _renamed(at, "reserved", "constant")
+    if "counter" in field:
+        yield from (_set((*at, "counter"), span) for span in _spans(field["counter"]))
+    if "checksum" in field:
+        yield from _checksum((*at, "checksum"), field["checksum"])
 
 
 def _checksum(path: Path, checksum: Data) -> Iterator[Mutant]:
@@ -233,7 +239,7 @@ def _type(path: Path, type_: Data, order: str) -> Iterator[Mutant]:
         yield _drop((*path, "no_value"))
     elif len(type_.get("no_value", ())) > 1:
         yield from (_drop((*path, "no_value", name)) for name in type_["no_value"])
-    for kind, key in (("enum", "value"), ("flags", "bit")):
+    for kind, key in (("enum", "value"), ("flags", "bit"), ("names", "value")):
         for member, entry in type_.get(kind, {}).items():
             at, value = ((), entry) if isinstance(entry, int) else ((key,), entry[key])
             yield _set((*path, kind, member, *at), value + 2)

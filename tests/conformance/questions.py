@@ -230,6 +230,7 @@ class Questions:
                 ends |= {math.floor(bound), math.ceil(bound)} if bound is not None else set()
         ends |= {member.value for member in type_.enum} | {1 << flag.value for flag in type_.flags}
         ends |= {end for no_value in type_.no_values for end in (no_value.raws[0], no_value.raws[-1])}
+        ends |= {member.value for member in type_.names}
         mask = sum(1 << flag.value for flag in type_.flags)
         inner = [chance.getrandbits(type_.width) & mask] if mask else [chance.randint(low, high) for _ in range(4)]
         bounds = sorted(ends)
@@ -340,6 +341,8 @@ class Questions:
         no_value = type_.no_value(raw)
         if no_value is not None and not steps:
             return no_value.name
+        if type_.name_of(raw) and not steps and self._chance.random() < 0.5:
+            return type_.name_of(raw)
         linear = linear_of(type_, encoder.assignment)
         if linear is None:
             return None

@@ -56,8 +56,8 @@ EVERYWHERE = {
 OF_ALL_FRAMES = {"addresses", "bus", "byte_order", "selector"}
 """The keys of an edition that can concern all its frames."""
 
-OF_NAMES = {"addresses", "commands", "entries", "enum", "fields", "flags", "layout", "layouts", "range", "raw_range"}
-OF_NAMES |= {"scale", "tables", "types"}
+OF_NAMES = {"addresses", "commands", "entries", "enum", "fields", "flags", "layout", "layouts", "names", "range"}
+OF_NAMES |= {"raw_range", "scale", "tables", "types"}
 """The keys whose values have keys that a spec names."""
 
 PLACE = {"overlap", "beyond-frame", "id-bits", "ambiguous-message"}
@@ -67,15 +67,17 @@ REJECTIONS = {
     "bit": {"member-value"},
     "byte_order": {"overlap", "bit-runs"},
     "constant": {"duplicate-code", "ambiguous-message"},
+    "counter": {"counter-field"},
     "dlc": {"beyond-frame", "checksum-field"},
     "enum": {"member-value"},
     "extended": {"id-space", "beyond-frame"},
     "flags": {"member-value", "overlap"},
     "from_each": {"unknown-node"},
-    "gone": {"no-value", "overlap", "beyond-width", "ambiguous-message"},
+    "gone": {"node-variable", "no-value", "overlap", "beyond-width", "ambiguous-message"},
     "id": ID,
     "index": {"code-width"},
     "kind": {"unknown-reference"},
+    "names": {"member-value"},
     "nodes": {"unknown-node", "id-collision"},
     "offset": {"two-parameters", "beyond-width"},
     "range": {"beyond-width", "two-parameters"},

@@ -50,7 +50,7 @@ CASES = {
     ),
     "a reply is an echo": (
         LATEST,
-        "    reply: {state: {at: 1, type: brake_state, state: brake}}",
+        "    reply: {state: {at: 1, type: brake_state, variable: brake}}",
         "    reply: echo",
         "the reply of brake is an echo",
     ),

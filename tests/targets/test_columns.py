@@ -25,6 +25,7 @@ from canwright.conformance.modules import load
 from canwright.diagnostics.diagnostic import SpecError
 from canwright.project.loader import specification
 from canwright.recordings.readers import open_log
+from canwright.targets.base import EditionInput
 from canwright.targets.columns.target import TARGET
 from canwright.targets.columns.view import columns_of, tables_of
 from canwright.targets.options import Options
@@ -465,6 +466,32 @@ def test_hostile_texts_stay_texts(tmp_path: Path) -> None:
                 isinstance(statement, ast.Expr | ast.ImportFrom | ast.Assign | ast.AnnAssign) for statement in tree.body
             )
             assert "{{7*7}}" in output.text
+
+
+@pytest.mark.interop("pyarrow")
+def test_numbers_with_names_have_raw_integers(tmp_path: Path) -> None:
+    """10 % are raw 100 = 0x64, 100 % are raw 1000 = 0x03E8."""
+    text = MINIMAL.replace('"%", scale: 0.1', '"%", scale: 0.1, names: {stopped: 0, maximum: 1000}')
+    text = text.replace("type: level}}", "type: level}, steps: {at: 4, type: steps}}")
+    text = text.replace("types:", "types:\n  steps: {raw: u8, names: {few: 3}}")
+    item = EditionInput(edition(tmp_path, text), None)
+    folder = write_files(TARGET.generate([item], {}, Options()), tmp_path / "out")
+    module, runtime, arrow = load(folder, *(f"lamp_columns.{name}" for name in ("v1", "_columns", "arrow")))
+    decoder = module.decoder()
+    frames = runtime.frames([0x101] * 2, [bytes([16, 0, 0xE8, 3, 3, 0, 0, 0]), bytes([16, 0, 100, 0, 4, 0, 0, 0])], 0)
+    ((name, table),) = decoder.decode(frames).tables.items()
+    assert {column: values.tolist() for column, values in table.columns.items()} == {
+        "level": [100.0, 10.0],
+        "level_raw": [1000, 100],
+        "steps": [3, 4],
+    }
+    schema = arrow.schema(decoder, name)
+    named = {field.name: field.metadata[b"names"] for field in schema if field.metadata and b"names" in field.metadata}
+    assert named == {
+        "level": b'{"0": "stopped", "1000": "maximum"}',
+        "level_raw": b'{"0": "stopped", "1000": "maximum"}',
+        "steps": b'{"3": "few"}',
+    }
 
 
 def test_names_that_are_taken_differ(tmp_path: Path) -> None:

@@ -142,7 +142,12 @@ def test_no_value_depends_on_a_parameter_that_is_not_given(spec: Path, tmp_path:
 
 def _same_value(wanted: Value, result: Mapping[str, Any], frame: GoldenFrame) -> None:
     """Checks that a result is a golden value, or states that it needs a number parameter."""
-    value, reason = result["value"], result["reason"]
+    value, reason, names = result["value"], result["reason"], result.get("valueName")
+    if isinstance(names, list) and isinstance(wanted, list):
+        assert not {w for w in wanted if isinstance(w, str)} - {*names, *(result["noValue"] or ())}, frame
+        wanted = [number if name == each else each for each, number, name in zip(wanted, value, names, strict=True)]
+    elif names and names == wanted:
+        wanted = value
     if wanted == "none":
         assert value is None and reason, frame
     elif reason == "missing_parameter":

@@ -212,6 +212,55 @@ def test_flags_without_a_name_are_kept(tmp_path: Path) -> None:
     ]
 
 
+NAMES = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100}}
+types:
+  power: {raw: u16, unit: "%", scale: 0.1, range: 0..100, names: {stopped: 0, maximum: 1000}, no_value: {lost: 0xFFFF}}
+  steps: {raw: u8, names: {few: 3}}
+  serial: {raw: u56, byte_order: big, names: {blank: 72057594037927935}}
+commands:
+  dim: {request: {power: {at: 0, type: power}, steps: {at: 2, type: steps, array: 1..3}}, reply: none}
+  mark: {request: none, reply: {serial: {at: 0, type: serial}}}
+"""
+"""10 % are raw 100 = 0x64, 100 % are raw 1000 = 0x03E8."""
+
+
+def test_numbers_have_names_beside_their_values(tmp_path: Path) -> None:
+    text = NAMES.replace("  dim: {", "  dim: {address: lamp, ").replace("  mark: {", "  mark: {address: other, ")
+    text = text.replace("{lamp: {id: 0x100}}", "{lamp: {id: 0x100}, other: {id: 0x200}}")
+    folder = write_files(JavaScriptTarget().generate([EditionInput(edition(tmp_path, text), None)], {}), tmp_path)
+    program = f"""
+        import * as lamp from {json.dumps((folder / "lamp/v1.js").as_uri())};
+        const dim = (power, steps) => lamp.encodeRequest("dim", {{ values: {{ power, steps }} }});
+        const refused = (...given) => {{ try {{ dim(...given); }} catch (error) {{ return [error.refusal, error.field, error.message]; }} }};
+        const short = ({{ fields }}) => fields.map(({{ value, noValue, valueName }}) => [value, noValue, valueName]);
+        const blank = lamp.encodeReply("mark", {{ values: {{ serial: "blank" }} }});
+        console.log(JSON.stringify([
+          [...dim("maximum", ["few", 4, 3]).frame.data], short(dim("maximum", ["few", 4, 3])), short(dim(10, [1, 2, 4])),
+          short(dim("lost", [0, 0, 3])), refused("off", [1, 2, 3]), refused(1, ["on", 2, 3]),
+          [...blank.frame.data], blank.fields[0].valueName,
+          lamp.MESSAGES[0].fields.map(({{ type }}) => type.names),
+        ]));"""
+    assert json.loads(run(program)) == [
+        [0xE8, 3, 3, 4, 3, 0, 0, 0],
+        [[100, None, "maximum"], [[3, 4, 3], None, ["few", None, "few"]]],
+        [[10, None, None], [[1, 2, 4], None, None]],
+        [[None, "lost", None], [[0, 0, 3], None, [None, None, "few"]]],
+        ["out_of_range", "power", 'power="off" is no number and none of the names lost, stopped, maximum'],
+        ["out_of_range", "steps", 'steps="on" is no number and none of the names few'],
+        [*[0xFF] * 7, 0],
+        "blank",
+        [[[0, "stopped"], [1000, "maximum"]], [[3, "few"]]],
+    ]
+    declared = (folder / "lamp/v1.d.ts").read_text("utf-8")
+    assert 'FieldOf<number, number | null, number | bigint | "lost" | "stopped" | "maximum" | null>' in declared
+    assert 'FieldOf<bigint, bigint, number | bigint | "blank">' in declared
+    assert "raw 1000 is named maximum" in declared
+
+
 FLOAT = """\
 canwright: 1
 family: lamp

@@ -329,6 +329,64 @@ ENUM_AND_FLAGS = MINIMAL.replace(
 ).replace("level: {at: 2, type: level}", "level: {at: 2, type: level}, faults: {at: 3, type: faults}")
 
 
+NAMES = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100}}
+types:
+  power: {raw: u16, unit: "%", scale: 0.1, range: 0..100, names: {stopped: 0, maximum: 1000}, no_value: {lost: 0xFFFF}}
+  steps: {raw: u8, names: {few: 3}}
+commands:
+  dim: {request: {power: {at: 0, type: power}, steps: {at: 2, type: steps, array: 1..3}}, reply: none}
+"""
+"""10 % are raw 100 = 0x64, 100 % are raw 1000 = 0x03E8."""
+
+
+def test_numbers_have_names_beside_their_values(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    spec.write_text(NAMES, "utf-8")
+    lamp = load(write(tmp_path, spec), specification(spec).edition)
+    dim = lamp.DimRequest(power="maximum", steps=["few", 4, 3])
+    assert dim.encode() == bytes.fromhex("E8 03 03 04 03 00 00 00")
+    assert dim == lamp.DimRequest(power=100, steps=[3, 4, "few"])
+    assert dim.values() == {"power": 100.0, "steps": (3, 4, 3)}
+    assert dim.names() == {"power": "maximum", "steps": ("few", None, "few")}
+    assert (dim.no_values(), repr(dim)) == ({}, "DimRequest(power=100.0, steps=(3, 4, 3))")
+    plain = lamp.decode_request(0x100, bytes.fromhex("64 00 01 02 04 00 00 00"))
+    assert (plain.values(), plain.names()) == ({"power": 10.0, "steps": (1, 2, 4)}, {})
+    lost = lamp.DimRequest(power="lost", steps=[0, 0, 0])
+    assert (lost.values()["power"], lost.names(), lost.no_values()) == (None, {}, {"power": "lost"})
+    assert lamp.DimRequest.TYPES["power"].names == {"stopped": 0, "maximum": 1000}
+    doc = lamp.DimRequest.power.__doc__
+    assert doc and "names: stopped (raw 0), maximum (raw 1000)" in " ".join(doc.split())
+    for given, names in (
+        ({"power": "off", "steps": [3, 3, 3]}, "stopped, maximum, lost"),
+        ({"power": 0, "steps": ["on", 3, 3]}, "few"),
+    ):
+        with pytest.raises(lamp.CodecError, match=f"is no number and none of the names {names}$") as error:
+            lamp.DimRequest(**given)
+        assert error.value.refusal is lamp.Refusal.OUT_OF_RANGE
+
+
+def test_type_checkers_know_which_numbers_have_names(tmp_path: Path) -> None:
+    spec = tmp_path / "v1.yaml"
+    text = NAMES.replace(", array: 1..3}", "}, other: {at: 3, type: other}").replace(
+        "types:", "types:\n  other: {raw: u8}"
+    )
+    spec.write_text(text, "utf-8")
+    (tmp_path / "program.py").write_text(
+        "from lamp.v1 import DimRequest\n"
+        'power: float | None = DimRequest(power="maximum", steps="few", other=1).power\n'
+        'DimRequest(power=None, steps=1, other="few")\n',
+        "utf-8",
+    )
+    write(tmp_path, spec)
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), "program.py"]
+    said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False).stdout
+    assert said.count("error:") == 1 and 'program.py:3: error: Argument "other"' in said
+
+
 @pytest.mark.parametrize("wrong", [0.5, "dim", None])
 def test_a_value_that_is_no_integer_is_shown_unchanged(wrong: object, tmp_path: Path) -> None:
     spec = tmp_path / "v1.yaml"

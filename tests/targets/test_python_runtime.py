@@ -37,6 +37,7 @@ from canwright.targets.python.runtime._codec import (
     Float,
     Message,
     Number,
+    OptionalFloat,
     Real,
     Refusal,
     Reply,
@@ -199,7 +200,12 @@ def test_each_module_is_copied_behind_one_header_line(tmp_path: Path) -> None:
 
 
 def test_the_runtime_depends_on_the_standard_library_only() -> None:
-    third_party = {"python_can.py": {"can"}, "client.py": {"can"}, "client_asyncio.py": {"can"}}
+    third_party = {
+        "python_can.py": {"can"},
+        "client.py": {"can"},
+        "client_asyncio.py": {"can"},
+        "simulation.py": {"can"},
+    }
     for name in SHARED:
         tree = ast.parse((RUNTIME / name).read_text("utf-8"))
         tree.body = [statement for statement in tree.body if not ast.unparse(statement).startswith("if TYPE_CHECKING:")]
@@ -262,7 +268,14 @@ def test_a_number_converts_in_both_directions() -> None:
     assert rejected(Refusal.OUT_OF_RANGE, LEVEL.check, 1001, UNKNOWN, "level").startswith("level=raw 1001 is out of")
     assert "nan" in rejected(Refusal.NOT_FINITE, LEVEL.raw, math.nan, UNKNOWN, "level")
     with pytest.raises(TypeError, match="level='1' is no number"):
-        LEVEL.raw("1", UNKNOWN, "level")  # type: ignore[arg-type]
+        LEVEL.raw("1", UNKNOWN, "level")
+
+
+def test_a_float_that_can_have_no_value_has_a_range() -> None:
+    whole = OptionalFloat(Float(32), {"lost": (0x7F800001, 0x7FFFFFFF)})
+    assert whole.value_range(UNKNOWN) == (-math.inf, math.inf)
+    percent = Float(32, limits=(Bound(0), Bound(100)))
+    assert OptionalFloat(percent, {"lost": (0x7F800001, 0x7FFFFFFF)}).value_range(UNKNOWN) == (0.0, 100.0)
 
 
 def test_a_value_that_looks_like_the_end_of_a_wide_range_is_rejected_with_its_raw_integer() -> None:

@@ -14,11 +14,11 @@ import pytest
 from canwright.conformance import modules
 from canwright.conformance.adapter import CanFrame, write_files
 from canwright.conformance.python import PythonAdapter
+from canwright.conformance.reference import ReferenceAdapter
 from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.targets.python.target import PythonTarget
 
-from ..conformance.adapters.reference import ReferenceAdapter
 from ..samples import sampled
 from ..spec_texts import ROOT, SPECS, called
 from .live_bus import Clock
@@ -228,7 +228,7 @@ edition: v1
 addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
 selector: {at: 0, raw: u8}
 commands:
-  set: {code: 0x11, request: {target: {at: 2, raw: u16, state: level}}, reply: none}
+  set: {code: 0x11, request: {target: {at: 2, raw: u16, variable: level}}, reply: none}
   beat: {code: 0x10, request: none, reply: {layout: {level: {at: 2, raw: u16}}, every_ms: 100}}
 """,
         "utf-8",

@@ -18,6 +18,7 @@ from canwright.conformance.python import PythonAdapter, node_in_id
 from canwright.model.edition import Edition
 from canwright.model.layout import NodeRole, Space
 from canwright.model.message import Direction, Message
+from canwright.model.metadata import Repeat
 from canwright.model.refusal import Refusal
 from canwright.targets.base import EditionInput
 from canwright.targets.python.text import attribute, class_name
@@ -104,6 +105,15 @@ def _check_class(edition: Edition, message: Message, cls: Any) -> None:
         only = {name: tuple(_plain(value) for value in values) for name, values in cls.ONLY.items()}
         assert only == {attribute(name): values for name, values in command.only.items()}, cls
         assert command.manual == cls.MANUAL, cls
+    if message.direction is Direction.REQUEST:
+        first = [reply for reply in command.replies if not reply.is_alternative]
+        assert sum(reply.frames * (len(reply.from_each) or 1) for reply in first) == cls.REPLIES, cls
+        assert command.from_each == cls.REPLIERS, cls
+        assert (None if command.repeat is None else command.repeat is Repeat.SAME) == cls.REPEAT, cls
+        within = command.reply_within_ms
+        assert (None if within is None else float(within)) == cls.REPLY_WITHIN_MS, cls
+    named = {attribute(field.name): field.variable for field in message.layout.fields if field.variable}
+    assert named.items() <= cls.VARIABLES.items() | {(name, name) for name in named}, cls
 
 
 def _check_holder(message: Message, cls: Any) -> None:

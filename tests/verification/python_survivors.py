@@ -229,7 +229,7 @@ RUNTIME_SUBJECTS = (RuntimeSubject,)
 
 
 def _is_code(file: str) -> bool:
-    return file.endswith(".py") and file not in ("python_can.py", "client.py", "client_asyncio.py")
+    return file.endswith(".py") and file not in ("python_can.py", "client.py", "client_asyncio.py", "simulation.py")
 
 
 def _replay(runner: Runner) -> None:

@@ -188,14 +188,16 @@ class Type:
     """The conversion from raw integers to values.
 
     `scale` has one scale for each value of the parameter `scale_by`, or one under the empty key; None is an unknown scale.
-    `names` are those of the members of an enum by code, or of flags by bit number. `no_values` are the first and the last
-    raw integer of each name for no value of a number; its values are NaN.
+    `names` are those of the members of an enum by code, of flags by bit number, or of numbers that have a name beside
+    their value by raw integer. `no_values` are the first and the last raw integer of each name for no value of a number;
+    its values are NaN.
     """
 
     unit: str = ""
     scale_by: str = ""
     scale: Mapping[str, Scale | None]
     is_float: bool = False
+    is_enum: bool = False
     is_flags: bool = False
     names: Mapping[int, str] | None = None
     no_values: Mapping[str, tuple[int, int]] | None = None
@@ -213,6 +215,11 @@ class Type:
     """The encoding and the padding, if the elements of a field are the bytes of a text."""
     is_digits: bool = False
     """Whether the elements of a field are the decimal digits of a number."""
+
+    @property
+    def is_named_number(self) -> bool:
+        """Whether some raw integers have a name beside their value."""
+        return bool(self.names) and not (self.is_enum or self.is_flags)
 
     @property
     def is_joined(self) -> bool:
@@ -601,7 +608,7 @@ class Decoder:
             scale = field.type.scale_at(self.parameters)
             if scale is not None:
                 columns.append(Column(field.name, field, scale, False))
-            is_kept = raw or field.type.no_values  # the raw integers have the reason for no value
+            is_kept = raw or field.type.no_values or field.type.is_named_number  # the raw integers have the names
             if scale is None or (is_kept and field.has_other_values(scale)):
                 columns.append(Column(field.raw_name, field, None, True))
         return tuple(columns)

@@ -50,7 +50,7 @@ _SINGLE_TURN_POSITION = Type(scale={"": Scale(1, 0, 100)}, unit="\xb0")
 _MULTI_TURN_ANGLE = Type(scale={"": Scale(1, 0, 100)}, unit="\xb0")
 _ENCODER_POSITION = Type(scale={"14": Scale(45, 0, 2048), "15": Scale(45, 0, 4096), "18": Scale(45, 0, 8192)}, unit="\xb0", scale_by="encoder_bits")
 _GAIN = Type(scale=PLAIN)
-_SPIN_DIRECTION = Type(scale=PLAIN, names={0: "clockwise", 1: "counterclockwise"})
+_SPIN_DIRECTION = Type(scale=PLAIN, is_enum=True, names={0: "clockwise", 1: "counterclockwise"})
 _ERROR_FLAGS = Type(scale=PLAIN, is_flags=True, names={0: "low_voltage", 3: "over_temperature"})
 
 LAYOUTS = (
@@ -670,7 +670,7 @@ _REPLIES = (
 EDITION = runtime.Edition(
     family="mwd_motor",
     name="v2.35",
-    spec_hash="36ac540da349da269d68b8159a0c9e56169fe5e43096d7ebd3599c27d8ca094a",
+    spec_hash="2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13",
     parameters=PARAMETERS,
     layouts=LAYOUTS,
     messages=MESSAGES,

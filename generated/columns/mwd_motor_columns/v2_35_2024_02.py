@@ -50,10 +50,10 @@ _SINGLE_TURN_ANGLE = Type(scale={"": Scale(1, 0, 100)}, unit="\xb0")
 _SINGLE_TURN_POSITION = Type(scale={"": Scale(1, 0, 100)}, unit="\xb0")
 _MULTI_TURN_ANGLE = Type(scale={"": Scale(1, 0, 100)}, unit="\xb0")
 _ENCODER_POSITION = Type(scale={"14": Scale(45, 0, 2048), "15": Scale(45, 0, 4096), "16": Scale(45, 0, 8192)}, unit="\xb0", scale_by="encoder_bits")
-_SPIN_DIRECTION = Type(scale=PLAIN, names={0: "clockwise", 1: "counterclockwise"})
-_BRAKE_ACTION = Type(scale=PLAIN, names={0: "lock", 1: "release", 16: "read"})
-_BRAKE_STATE = Type(scale=PLAIN, names={0: "locked", 1: "released"})
-_MOTOR_STATE = Type(scale=PLAIN, names={0: "on", 16: "off"})
+_SPIN_DIRECTION = Type(scale=PLAIN, is_enum=True, names={0: "clockwise", 1: "counterclockwise"})
+_BRAKE_ACTION = Type(scale=PLAIN, is_enum=True, names={0: "lock", 1: "release", 16: "read"})
+_BRAKE_STATE = Type(scale=PLAIN, is_enum=True, names={0: "locked", 1: "released"})
+_MOTOR_STATE = Type(scale=PLAIN, is_enum=True, names={0: "on", 16: "off"})
 _ERROR_FLAGS = Type(scale=PLAIN, is_flags=True, names={0: "low_voltage", 3: "over_temperature"})
 _I16 = Type(scale=PLAIN)
 _I32 = Type(scale=PLAIN)
@@ -719,7 +719,7 @@ _REPLIES = (
 EDITION = runtime.Edition(
     family="mwd_motor",
     name="v2.35-2024-02",
-    spec_hash="0b4e26fbcc150c7c5bf68523ab0c2e57edc24e371cc73a51e419f62103c42658",
+    spec_hash="50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5",
     parameters=PARAMETERS,
     layouts=LAYOUTS,
     messages=MESSAGES,

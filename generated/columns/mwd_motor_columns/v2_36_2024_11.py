@@ -51,10 +51,10 @@ _SINGLE_TURN_POSITION = Type(scale={"": Scale(1, 0, 100)}, unit="\xb0")
 _MULTI_TURN_ANGLE = Type(scale={"": Scale(1, 0, 100)}, unit="\xb0")
 _ENCODER_POSITION = Type(scale={"14": Scale(45, 0, 2048), "15": Scale(45, 0, 4096), "16": Scale(45, 0, 8192)}, unit="\xb0", scale_by="encoder_bits")
 _GAIN = Type(scale=PLAIN)
-_SPIN_DIRECTION = Type(scale=PLAIN, names={0: "clockwise", 1: "counterclockwise"})
-_BRAKE_ACTION = Type(scale=PLAIN, names={0: "lock", 1: "release", 16: "read"})
-_BRAKE_STATE = Type(scale=PLAIN, names={0: "locked", 1: "released"})
-_MOTOR_STATE = Type(scale=PLAIN, names={0: "on", 16: "off"})
+_SPIN_DIRECTION = Type(scale=PLAIN, is_enum=True, names={0: "clockwise", 1: "counterclockwise"})
+_BRAKE_ACTION = Type(scale=PLAIN, is_enum=True, names={0: "lock", 1: "release", 16: "read"})
+_BRAKE_STATE = Type(scale=PLAIN, is_enum=True, names={0: "locked", 1: "released"})
+_MOTOR_STATE = Type(scale=PLAIN, is_enum=True, names={0: "on", 16: "off"})
 _ERROR_FLAGS = Type(scale=PLAIN, is_flags=True, names={0: "low_voltage", 1: "over_voltage", 2: "driver_overheat", 3: "motor_overheat", 4: "over_current", 5: "short_circuit", 6: "stall", 7: "input_lost"})
 _I16 = Type(scale=PLAIN)
 _I32 = Type(scale=PLAIN)
@@ -793,7 +793,7 @@ _REPLIES = (
 EDITION = runtime.Edition(
     family="mwd_motor",
     name="v2.36-2024-11",
-    spec_hash="a2cb19c1cde7e7b49b81861bb265028ba9c296d707911a6cc9fa2f522aaf5b12",
+    spec_hash="cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a",
     parameters=PARAMETERS,
     layouts=LAYOUTS,
     messages=MESSAGES,

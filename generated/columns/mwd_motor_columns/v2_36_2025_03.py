@@ -57,18 +57,18 @@ _ANGLE_BOUND = Type(scale=PLAIN)
 _MAX_ANGLE = Type(scale=PLAIN)
 _CURRENT_RAMP = Type(scale=PLAIN)
 _SPEED_RAMP = Type(scale=PLAIN)
-_SPIN_DIRECTION = Type(scale=PLAIN, names={0: "clockwise", 1: "counterclockwise"})
-_BRAKE_ACTION = Type(scale=PLAIN, names={0: "lock", 1: "release", 16: "read"})
-_BRAKE_STATE = Type(scale=PLAIN, names={0: "locked", 1: "released"})
-_MOTOR_STATE = Type(scale=PLAIN, names={0: "on", 16: "off"})
+_SPIN_DIRECTION = Type(scale=PLAIN, is_enum=True, names={0: "clockwise", 1: "counterclockwise"})
+_BRAKE_ACTION = Type(scale=PLAIN, is_enum=True, names={0: "lock", 1: "release", 16: "read"})
+_BRAKE_STATE = Type(scale=PLAIN, is_enum=True, names={0: "locked", 1: "released"})
+_MOTOR_STATE = Type(scale=PLAIN, is_enum=True, names={0: "on", 16: "off"})
 _ERROR_FLAGS = Type(scale=PLAIN, is_flags=True, names={0: "low_voltage", 1: "over_voltage", 2: "driver_overheat", 3: "motor_overheat", 4: "over_current", 5: "short_circuit", 6: "stall", 7: "input_lost"})
 _ALIGN_RATIO = Type(scale=PLAIN)
 _ALIGN_STATE = Type(scale=PLAIN, is_flags=True, names={0: "succeeded", 4: "phase_reversed"})
 _DRIVER_ID = Type(scale=PLAIN)
-_BUS_TYPE = Type(scale=PLAIN, names={0: "no_bus", 1: "rs485", 2: "can"})
-_RS485_BAUD_RATE = Type(scale=PLAIN, names={0: "bps_9600", 1: "bps_19200", 2: "bps_38400", 3: "bps_57600", 4: "bps_115200", 5: "bps_230400", 6: "bps_460800", 7: "bps_921600", 8: "bps_1000000", 9: "bps_2000000", 10: "bps_4000000"})
-_CAN_BAUD_RATE = Type(scale=PLAIN, names={0: "kbps_100", 1: "kbps_125", 2: "kbps_250", 3: "kbps_500", 4: "kbps_1000"})
-_SAVE_RESULT = Type(scale=PLAIN, names={0: "failed", 1: "saved"})
+_BUS_TYPE = Type(scale=PLAIN, is_enum=True, names={0: "no_bus", 1: "rs485", 2: "can"})
+_RS485_BAUD_RATE = Type(scale=PLAIN, is_enum=True, names={0: "bps_9600", 1: "bps_19200", 2: "bps_38400", 3: "bps_57600", 4: "bps_115200", 5: "bps_230400", 6: "bps_460800", 7: "bps_921600", 8: "bps_1000000", 9: "bps_2000000", 10: "bps_4000000"})
+_CAN_BAUD_RATE = Type(scale=PLAIN, is_enum=True, names={0: "kbps_100", 1: "kbps_125", 2: "kbps_250", 3: "kbps_500", 4: "kbps_1000"})
+_SAVE_RESULT = Type(scale=PLAIN, is_enum=True, names={0: "failed", 1: "saved"})
 _U32 = Type(scale=PLAIN)
 _U8 = Type(scale=PLAIN)
 
@@ -1153,7 +1153,7 @@ _REPLIES = (
 EDITION = runtime.Edition(
     family="mwd_motor",
     name="v2.36-2025-03",
-    spec_hash="69d95485ce236ab871867a47d2911ad61a1cb766acc8216d6f4d9f85bf9b28eb",
+    spec_hash="19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf",
     parameters=PARAMETERS,
     layouts=LAYOUTS,
     messages=MESSAGES,

@@ -174,8 +174,11 @@ class FieldType {
     this.isFloat = table.encoding === "float";
     this.isSigned = table.encoding === "signed";
     this.isWide = table.width > WIDEST_NUMBER;
-    this.names = table.enum && new Map(table.enum);
+    this.members = table.enum && new Map(table.enum);
     this.values = table.enum && new Map(table.enum.map(([value, name]) => [name, value]));
+    const ofNoValue = (table.noValues ?? []).map(([, last, name]) => [name, last]);
+    const ofNumbers = (table.names ?? []).map(([raw, name]) => [name, raw]);
+    this.named = ofNoValue.length + ofNumbers.length ? new Map([...ofNoValue, ...ofNumbers]) : null;
     const size = 1n << BigInt(table.width);
     this.size = this.integer(size);
     this.half = this.integer(size / 2n);
@@ -201,13 +204,18 @@ class FieldType {
     return this.noValues?.find(([first, last]) => bits >= first && bits <= last)?.[2] ?? null;
   }
 
+  /** The name that a raw integer of a number has beside its value; null without one. */
+  valueName(raw) {
+    return this.names?.find(([named]) => named === raw)?.[1] ?? null;
+  }
+
   /** The value of a raw integer; null without one. */
   value(raw, parameters) {
     if (this.noValue(raw) !== null) {
       return null;
     }
-    if (this.names) {
-      return this.names.get(raw) ?? null;
+    if (this.members) {
+      return this.members.get(raw) ?? null;
     }
     if (this.bits) {
       return this.flagsOf(raw);
@@ -232,7 +240,7 @@ class FieldType {
     if (this.noValue(raw) !== null) {
       return "no_value";
     }
-    const line = this.names ? null : this.line(parameters);
+    const line = this.members ? null : this.line(parameters);
     if (typeof line === "string") {
       return line;
     }
@@ -257,11 +265,11 @@ class FieldType {
 
   /** The raw integer nearest to a value, ties away from zero. Throws CodecError if the value is rejected. */
   raw(value, parameters, field) {
-    if (this.names || this.bits) {
-      return this.check(this.named(value, field), parameters, field, JSON.stringify(value, (_, item) => (typeof item === "bigint" ? String(item) : item)));
+    if (this.members || this.bits) {
+      return this.check(this.ofMembers(value, field), parameters, field, JSON.stringify(value, (_, item) => (typeof item === "bigint" ? String(item) : item)));
     }
-    if (this.noValues && (value === null || typeof value === "string")) {
-      return this.ofName(value, field);
+    if (this.named && (typeof value === "string" || (this.noValues && value === null))) {
+      return this.check(this.ofName(value, field), parameters, field, JSON.stringify(value));
     }
     const line = this.line(parameters);
     if (typeof line === "string") {
@@ -291,13 +299,13 @@ class FieldType {
     return this.check(raw, parameters, field, given);
   }
 
-  /** The raw integer that is written for a name without a value; null stands for the first one. */
+  /** The raw integer that is written for a name of a number; null stands for the first one without a value. */
   ofName(value, field) {
-    const named = value === null ? this.noValues[0] : this.noValues.find(([, , name]) => name === value);
-    if (!named) {
-      throw new CodecError("out_of_range", `${field} has no value ${JSON.stringify(value)}`, field);
+    const name = value ?? this.noValues[0][2];
+    if (!this.named.has(name)) {
+      throw new CodecError("out_of_range", `${field}=${JSON.stringify(name)} is no number and none of the names ${[...this.named.keys()].join(", ")}`, field);
     }
-    return named[1];
+    return this.named.get(name);
   }
 
   /** The number of an integer, which is rounded once. */
@@ -308,9 +316,9 @@ class FieldType {
   }
 
   /** The raw integer of the name of an enum, of flags as names and integers, or of an integer. */
-  named(value, field) {
+  ofMembers(value, field) {
     const unknown = (name) => new CodecError("out_of_range", this.outOfRange(JSON.stringify(name), NO_PARAMETERS, field), field);
-    if (typeof value === "string" && this.names) {
+    if (typeof value === "string" && this.members) {
       if (!this.values.has(value)) {
         throw unknown(value);
       }
@@ -348,8 +356,8 @@ class FieldType {
 
   /** The text of an error: the range in units, and that of raw integers. */
   outOfRange(given, parameters, field) {
-    if (this.names || this.bits) {
-      return `${field}=${given} is none of ${[...(this.names?.values() ?? this.bits.keys())].join(", ")}`;
+    if (this.members || this.bits) {
+      return `${field}=${given} is none of ${[...(this.members?.values() ?? this.bits.keys())].join(", ")}`;
     }
     const [low, high] = this.bounds(parameters);
     if (this.isFloat) {
@@ -380,8 +388,8 @@ class FieldType {
     if (raw < this.low || raw > this.high) {
       return false;
     }
-    if (this.names) {
-      return this.names.has(this.integer(raw));
+    if (this.members) {
+      return this.members.has(this.integer(raw));
     }
     if (this.bits) {
       return (BigInt(raw) & ~this.mask) === 0n;
@@ -1190,21 +1198,30 @@ class Field {
 
   result(raw, value, parameters) {
     if (this.joined) {
-      return Object.freeze({ name: this.name, raw, value, unit: null, reason: value === null ? "out_of_range" : null, noValue: null });
+      return Object.freeze({ name: this.name, raw, value, unit: null, reason: value === null ? "out_of_range" : null, noValue: null, valueName: null });
     }
     const without = this.isArray ? raw[value.indexOf(null)] : value === null ? raw : undefined;
     const reason = without === undefined ? null : this.type.reason(without, parameters);
-    const names = [raw].flat().map((element) => this.type.noValue(element));
-    const noValue = this.isArray ? (names.some((name) => name !== null) ? Object.freeze(names) : null) : names[0];
-    return { name: this.name, raw, value, unit: this.type.unit ?? null, reason, noValue };
+    const noValue = this.named(raw, (element) => this.type.noValue(element));
+    const valueName = this.named(raw, (element) => this.type.valueName(element));
+    return { name: this.name, raw, value, unit: this.type.unit ?? null, reason, noValue, valueName };
+  }
+
+  /** The name of a raw integer, or those of all elements of an array; null without any. */
+  named(raw, nameOf) {
+    if (!this.isArray) {
+      return nameOf(raw);
+    }
+    const names = raw.map(nameOf);
+    return names.some((name) => name !== null) ? Object.freeze(names) : null;
   }
 
   /** What the field is, for tools: its bits and its type. */
   get description() {
     const { name, isArray, indices, only, fixed, isConstant, parameter, isChecksum, counter, type } = this;
     const elements = this.elements.map((element) => element.segments);
-    const { width, encoding, unit = null, enum: names = null, flags = null } = type;
-    const own = { width, encoding, unit, enum: names, flags, linear: type.linear, range: type.range, noValues: type.noValues ?? null };
+    const { width, encoding, unit = null, enum: members = null, flags = null, noValues = null, names = null } = type;
+    const own = { width, encoding, unit, enum: members, flags, linear: type.linear, range: type.range, noValues, names };
     return { name, elements, isArray, indices, only, fixed, isConstant, parameter, isChecksum, counter, type: own };
   }
 }

@@ -332,12 +332,13 @@
     }
   }
 
-  /** A value with its unit; the raw integer if there is none. */
-  function shown({ raw, value, unit, reason, noValue }) {
+  /** A value with its unit and name; the raw integer if there is no value. */
+  function shown({ raw, value, unit, reason, noValue, valueName }) {
     if (typeof noValue === "string") {
       return noValue;
     }
-    return reason === null ? inUnit(value, unit) : `${say("raw")} ${listed(raw)}`;
+    const name = typeof valueName === "string" ? ` (${valueName})` : "";
+    return (reason === null ? inUnit(value, unit) : `${say("raw")} ${listed(raw)}`) + name;
   }
 
   function inUnit(value, unit) {
@@ -563,7 +564,9 @@
     const input = make("input", { ariaLabel: label, value: [result.value].flat().join(" "), size: 12 });
     const entered = () => (typeof result.value === "string" ? input.value : numbers(input.value, isList, Number));
     input.addEventListener("change", () => enter(result.name, { value: entered() }));
-    return make("span", {}, input, result.unit ? ` ${result.unit}` : "");
+    const { valueName } = result;
+    const name = typeof valueName === "string" ? ` (${text(texts.members?.[valueName], valueName)})` : "";
+    return make("span", {}, input, (result.unit ? ` ${result.unit}` : "") + name);
   }
 
   /** `B: 2.5 A`: the result under some values of a parameter that is not given; without these if all have one result. */

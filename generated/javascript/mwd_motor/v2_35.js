@@ -5,7 +5,7 @@ import { createEdition } from "../canwright-codec.js";
 const edition = /* @__PURE__ */ createEdition({
   family: "mwd_motor",
   edition: "v2.35",
-  hash: "36ac540da349da269d68b8159a0c9e56169fe5e43096d7ebd3599c27d8ca094a",
+  hash: "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13",
   replyWithin: 0.25,
   parameters: {
     series: { values: ["MS", "MF", "MH", "MG"] },

@@ -5,7 +5,7 @@ import { createEdition } from "../canwright-codec.js";
 const edition = /* @__PURE__ */ createEdition({
   family: "mwd_motor",
   edition: "v2.36-2024-11",
-  hash: "a2cb19c1cde7e7b49b81861bb265028ba9c296d707911a6cc9fa2f522aaf5b12",
+  hash: "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a",
   replyWithin: 0.25,
   parameters: {
     series: { values: ["MS", "MF", "MH", "MG"] },

@@ -191,6 +191,16 @@ def ratio(value: Real, field: str) -> tuple[int, int]:
     return integer(value, field), 1
 
 
+def raw_of_name(name: str, names: Mapping[str, int], field: str) -> int:
+    """The raw integer of a name. Raises CodecError for another name, TypeError when numbers have no names."""
+    if not names:
+        raise TypeError(f"{field}={name!r} is no number")
+    if name not in names:
+        text = f"{field}={name!r} is no number and none of the names {', '.join(names)}"
+        raise CodecError(Refusal.OUT_OF_RANGE, text, field)
+    return names[name]
+
+
 def nearest(numerator: int, denominator: int) -> int:
     """The integer nearest to a quotient, ties away from zero; exact."""
     size = (2 * abs(numerator) + abs(denominator)) // (2 * abs(denominator))
@@ -272,6 +282,10 @@ class FieldType(ABC):
         """The name for which a raw integer is no number, such as `not_available`; None for one with a value."""
         return None
 
+    def name(self, raw: Any) -> Any:
+        """The name that a raw integer of a number has beside its value, such as `maximum`; None without one."""
+        return None
+
     def value_range(self, parameters: object) -> tuple[float, float]:
         """Smallest and largest value under these parameters. Raises CodecError when there is no scale."""
         low, high = (self.value(raw, parameters, "the range") for raw in self.raw_range(parameters))
@@ -329,7 +343,7 @@ class Number(FieldType):
     `scale` is None where the specification gives none. With `scale_by`, it is a table of scales by the values of that
     parameter. `times` names a number parameter that multiplies scale and offset; with `scale_by` it is a table as well.
     `limits` is the raw range that the specification sets within `low` and `high`, those of the bits; with `limits_by`
-    it is a table of ranges.
+    it is a table of ranges. `names` are raw integers that have a name beside their value.
     """
 
     __slots__ = (
@@ -344,6 +358,7 @@ class Number(FieldType):
         "limits",
         "limits_by",
         "low",
+        "names",
         "scale_by",
         "times",
     )
@@ -359,10 +374,12 @@ class Number(FieldType):
         times: str | Mapping[Any, str] = "",
         limits: Limits | Mapping[Any, Limits | None] | None = None,
         limits_by: str = "",
+        names: Mapping[str, int] | None = None,
     ) -> None:
         super().__init__(unit)
         self.low = low
         self.high = high
+        self.names: Mapping[str, int] = names or {}
         self.scale_by = scale_by
         self.times: Any = times
         self.limits: Any = limits
@@ -439,8 +456,12 @@ class Number(FieldType):
             text = f"{field} is larger than any float under these parameters"
             raise CodecError(Refusal.OUT_OF_RANGE, text, field) from None
 
-    def raw(self, value: Real, parameters: object, field: str) -> int:
-        """The raw integer nearest to a value, ties away from zero. Raises CodecError when the value is rejected.
+    def name(self, raw: int) -> str | None:
+        """The name beside the value of a raw integer; None without one."""
+        return next((name for name, named in self.names.items() if named == raw), None)
+
+    def raw(self, value: Real | str, parameters: object, field: str) -> int:
+        """The raw integer nearest to a value, ties away from zero, or that of a name. Raises CodecError when it is rejected.
 
         An int, a Fraction and a Decimal are exact. A float is divided by the scale as a float, so 0.15 at a scale of 0.1
         is 2, as it looks, although the float 0.15 is less than that; from 2**51 on, it is exact as well.
@@ -459,8 +480,10 @@ class Number(FieldType):
                 return raw
         return self._raw(value, parameters, field)
 
-    def _raw(self, value: Real, parameters: object, field: str) -> int:
+    def _raw(self, value: Real | str, parameters: object, field: str) -> int:
         """The same without shortcuts."""
+        if isinstance(value, str):
+            return self.check(raw_of_name(value, self.names, field), parameters, field)
         factor, addend, divisor = self._line_at(parameters, field)
         try:
             numerator, denominator = ratio(value, field)
@@ -549,8 +572,8 @@ class Integer(Number):
         """The raw integer itself."""
         return raw
 
-    def raw(self, value: Real, parameters: object, field: str) -> int:
-        """The integer nearest to a value, ties away from zero. Raises CodecError when the value is rejected."""
+    def raw(self, value: Real | str, parameters: object, field: str) -> int:
+        """The integer nearest to a value, ties away from zero, or that of a name. Raises CodecError when it is rejected."""
         if type(value) is int and self._span is not None and self._span[0] <= value <= self._span[1]:
             return value
         return super().raw(value, parameters, field)
@@ -583,11 +606,13 @@ class Float(Number):
         scaled = number * numerator / denominator
         return scaled + offset if offset else scaled
 
-    def raw(self, value: Real, parameters: object, field: str) -> int:
+    def raw(self, value: Real | str, parameters: object, field: str) -> int:
         """The bit pattern of the nearest float. Raises CodecError when the value is rejected.
 
         An int, a Fraction and a Decimal are rounded once, a float in each operation.
         """
+        if isinstance(value, str):
+            return raw_of_name(value, self.names, field)
         factor, addend, divisor = self._line_at(parameters, field)
         try:
             numerator, denominator = ratio(value, field)
@@ -639,7 +664,7 @@ class Float(Number):
 class OptionalNumber(FieldType):
     """A number whose value can be None: `no_values` are the names of raw integers without one, from the first to the last."""
 
-    __slots__ = ("no_values", "number")
+    __slots__ = ("_raws", "no_values", "number")
 
     takes_none = True
 
@@ -647,27 +672,34 @@ class OptionalNumber(FieldType):
         super().__init__(number.unit)
         self.number = number
         self.no_values = no_values
+        self._raws = {**number.names, **{name: last for name, (_, last) in no_values.items()}}
+
+    @property
+    def names(self) -> Mapping[str, int]:
+        """The raw integers of numbers that have a name beside their value."""
+        return self.number.names
 
     def no_value(self, raw: int) -> str | None:
         """The name for which a raw integer has no value; None for a number."""
         return next((name for name, (first, last) in self.no_values.items() if first <= raw <= last), None)
+
+    def name(self, raw: int) -> str | None:
+        """The name beside the value of a raw integer; None without one."""
+        return self.number.name(raw)
 
     def value(self, raw: int, parameters: object, field: str) -> float | None:
         """The value of a raw integer; None without one. Raises CodecError as that of the number does."""
         return self.number.value(raw, parameters, field) if self.no_value(raw) is None else None
 
     def raw(self, value: Real | str | None, parameters: object, field: str) -> int:
-        """The raw integer of a value, or the last one of a name; None stands for the first name.
+        """The raw integer of a value or a name, of several the last; None stands for the first name without a value.
 
         Raises CodecError for another name, and for a number whose nearest raw integer has no value.
         """
-        if value is not None and not isinstance(value, str):
-            return self.number.raw(value, parameters, field)
-        name = next(iter(self.no_values)) if value is None else value
-        if name not in self.no_values:
-            text = f"{field}={name!r} is no number and none of the names {', '.join(self.no_values)}"
-            raise CodecError(Refusal.OUT_OF_RANGE, text, field)
-        return self.no_values[name][1]
+        given = next(iter(self.no_values)) if value is None else value
+        if isinstance(given, str):
+            return self.check(raw_of_name(given, self._raws, field), parameters, field)
+        return self.number.raw(given, parameters, field)
 
     def check(self, raw: int, parameters: object, field: str) -> int:
         """The raw integer itself. Raises CodecError when it has neither a value in range nor a name."""
@@ -676,6 +708,10 @@ class OptionalNumber(FieldType):
     def raw_range(self, parameters: object) -> tuple[int, int]:
         """The range of raw integers with a value."""
         return self.number.raw_range(parameters)
+
+    def value_range(self, parameters: object) -> tuple[float, float]:
+        """The range of the values."""
+        return self.number.value_range(parameters)
 
 
 class OptionalInteger(OptionalNumber):
@@ -811,6 +847,11 @@ class ArrayType(FieldType):
     def no_value(self, raw: Iterable[int]) -> tuple[Any, ...] | None:
         """The name for which each element has no value, None for one with a value; None alone if all have one."""
         names = tuple(map(self.type.no_value, raw))
+        return names if any(names) else None
+
+    def name(self, raw: Iterable[int]) -> tuple[Any, ...] | None:
+        """The name beside the value of each element, None for one without; None alone if no element has one."""
+        names = tuple(map(self.type.name, raw))
         return names if any(names) else None
 
     def raw_range(self, parameters: object) -> tuple[int, int]:
@@ -969,7 +1010,7 @@ class Message:
     """Of a read: whether the frame of its reply always differs from that of the request."""
     REPLY_WITHIN_MS: ClassVar[float | None] = None
     """The longest time to its reply, if that of the edition does not apply."""
-    STATES: ClassVar[Mapping[str, str]] = {}
+    VARIABLES: ClassVar[Mapping[str, str]] = {}
     """The variables of a node that the fields of a request write, and those that the fields of a reply read under another name."""
     PLAUSIBLE: ClassVar[Mapping[str, int]] = {}
     """Raw integers that a working node can send in the fields of a reply where 0 is implausible."""
@@ -1188,6 +1229,14 @@ class Message:
                 if error.refusal in (Refusal.OUT_OF_RANGE, Refusal.NOT_FINITE):
                     reasons[name] = str(error)
         return reasons
+
+    def names(self) -> dict[str, Any]:
+        """The numbers that have a name of the specification beside their value, such as `maximum`, each with this name.
+
+        For an array, it is a tuple with None for each element without one.
+        """
+        names = {name: self.TYPES[name].name(raw) for name, raw in self.raw().items()}
+        return {name: named for name, named in names.items() if named is not None}
 
     def _places(self) -> tuple[str | None, ...]:
         """The field of each raw integer under the parameters. Raises CodecError (missing_parameter)."""

@@ -128,7 +128,7 @@ class SimulatedNode:
         return self._frames((kind,), None)
 
     def _store(self, request: Request[Any]) -> None:
-        for name, variable in request.STATES.items():
+        for name, variable in request.VARIABLES.items():
             if name in request.fields() and request.raw()[name] not in request.EXEMPT.get(name, {}):
                 self.values[variable] = _value(request, name)
 
@@ -156,7 +156,7 @@ class SimulatedNode:
     def _raw(self, kind: type[Message], name: str, parameters: Any, request: Request[Any] | None) -> Any:
         """The raw integer of a field: of its variable, of the same field of the request, or one that is valid."""
         type_ = kind.TYPES[name]
-        variable = kind.STATES.get(name, name)
+        variable = kind.VARIABLES.get(name, name)
         if variable in self.values:
             return _nearest_raw(type_, self.values[variable], parameters, name)
         if request is not None and request.TYPES.get(name) is type_ and name in request.fields():

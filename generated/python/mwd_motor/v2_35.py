@@ -141,7 +141,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.35"
-SPEC_HASH = "36ac540da349da269d68b8159a0c9e56169fe5e43096d7ebd3599c27d8ca094a"
+SPEC_HASH = "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13"
 
 
 class Series(str, Enum):
@@ -1506,7 +1506,7 @@ class WritePidRamRequest(PidGains, Request["WritePidRamReply"]):
     TITLE = "Write controller gains to RAM"
     MANUAL = "2.14"
     EFFECTS = ("writes_ram",)
-    STATES = {
+    VARIABLES = {
         "angle_kp": "angle_kp",
         "angle_ki": "angle_ki",
         "speed_kp": "speed_kp",
@@ -1534,7 +1534,7 @@ class WritePidRomRequest(PidGains, Request["WritePidRomReply"]):
     TITLE = "Write controller gains to ROM"
     MANUAL = "2.15"
     EFFECTS = ("writes_rom", "wears_rom")
-    STATES = {
+    VARIABLES = {
         "angle_kp": "angle_kp",
         "angle_ki": "angle_ki",
         "speed_kp": "speed_kp",
@@ -1580,7 +1580,7 @@ class WriteAccelerationRamRequest(WriteAccelerationRam, Request["WriteAccelerati
     TITLE = "Write acceleration to RAM"
     MANUAL = "2.17"
     EFFECTS = ("writes_ram",)
-    STATES = {"acceleration": "acceleration"}
+    VARIABLES = {"acceleration": "acceleration"}
 
 
 class ReadEncoderRequest(ToNode, Request["ReadEncoderReply"]):
@@ -1621,7 +1621,7 @@ class WriteEncoderOffsetRomRequest(WriteEncoderOffsetRom, Request["WriteEncoderO
     TITLE = "Write encoder offset to ROM"
     MANUAL = "2.19"
     EFFECTS = ("sets_zero", "writes_rom", "wears_rom")
-    STATES = {"encoder_offset": "encoder_offset"}
+    VARIABLES = {"encoder_offset": "encoder_offset"}
 
 
 class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply"]):
@@ -2338,7 +2338,7 @@ class ReadMultiTurnAngleReply(Reply):
     ID = 0x140
     CODE = 0x92
     NODES = (1, 32)
-    STATES = {"angle": "multi_turn_angle"}
+    VARIABLES = {"angle": "multi_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": MULTI_TURN_ANGLE}
@@ -2399,7 +2399,7 @@ class ReadSingleTurnAngleReply(Reply):
     ID = 0x140
     CODE = 0x94
     NODES = (1, 32)
-    STATES = {"angle": "single_turn_angle"}
+    VARIABLES = {"angle": "single_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}

@@ -148,7 +148,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.35-2024-02"
-SPEC_HASH = "0b4e26fbcc150c7c5bf68523ab0c2e57edc24e371cc73a51e419f62103c42658"
+SPEC_HASH = "50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5"
 
 
 class Series(str, Enum):
@@ -920,7 +920,7 @@ class BrakeRequest(Request["BrakeReply"]):
     MANUAL = "2.8"
     EFFECTS = ("switches_brake",)
     EXEMPT = {"action": {16: ("switches_brake",)}}
-    STATES = {"action": "brake"}
+    VARIABLES = {"action": "brake"}
 
     __match_args__ = ("action",)
     TYPES = {"action": _BrakeAction}
@@ -1794,7 +1794,7 @@ class WriteControlParameterRamTorqueLimitRequest(
     TITLE = "Write control parameter: Torque limit"
     MANUAL = "2.20"
     EFFECTS = ("writes_ram",)
-    STATES = {"torque_limit": "control_parameters.torque_limit"}
+    VARIABLES = {"torque_limit": "control_parameters.torque_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -1824,7 +1824,7 @@ class WriteControlParameterRamAccelerationLimitRequest(
     TITLE = "Write control parameter: Acceleration limit"
     MANUAL = "2.20"
     EFFECTS = ("writes_ram",)
-    STATES = {"acceleration_limit": "control_parameters.acceleration_limit"}
+    VARIABLES = {"acceleration_limit": "control_parameters.acceleration_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -1854,7 +1854,7 @@ class WriteControlParameterRamSpeedLimitRequest(
     TITLE = "Write control parameter: Speed limit"
     MANUAL = "2.20"
     EFFECTS = ("writes_ram",)
-    STATES = {"speed_limit": "control_parameters.speed_limit"}
+    VARIABLES = {"speed_limit": "control_parameters.speed_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -1899,7 +1899,7 @@ class WriteEncoderOffsetRomRequest(WriteEncoderOffsetRom, Request["WriteEncoderO
     TITLE = "Write encoder offset to ROM"
     MANUAL = "2.22"
     EFFECTS = ("sets_zero", "writes_rom", "wears_rom")
-    STATES = {"encoder_offset": "encoder_offset"}
+    VARIABLES = {"encoder_offset": "encoder_offset"}
 
 
 class WritePositionAsZeroRomRequest(ToNode, Request["WritePositionAsZeroRomReply"]):
@@ -1982,7 +1982,7 @@ class SetAngleRequest(SetAngle, Request["SetAngleReply"]):
     TITLE = "Set multi-turn angle of the present position"
     MANUAL = "2.26"
     EFFECTS = ("sets_zero", "writes_ram")
-    STATES = {"angle": "multi_turn_angle"}
+    VARIABLES = {"angle": "multi_turn_angle"}
 
 
 class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
@@ -2125,7 +2125,7 @@ class BrakeReply(Reply):
     ID = 0x140
     CODE = 0x8C
     NODES = (1, 32)
-    STATES = {"state": "brake"}
+    VARIABLES = {"state": "brake"}
 
     __match_args__ = ("state",)
     TYPES = {"state": _BrakeState}
@@ -2331,7 +2331,7 @@ class ReadControlParameterTorqueLimitReply(ControlParametersTorqueLimit, Reply):
     ID = 0x140
     CODE = 0xB0
     NODES = (1, 32)
-    STATES = {"torque_limit": "control_parameters.torque_limit"}
+    VARIABLES = {"torque_limit": "control_parameters.torque_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2351,7 +2351,7 @@ class ReadControlParameterAccelerationLimitReply(ControlParametersAccelerationLi
     ID = 0x140
     CODE = 0xB0
     NODES = (1, 32)
-    STATES = {"acceleration_limit": "control_parameters.acceleration_limit"}
+    VARIABLES = {"acceleration_limit": "control_parameters.acceleration_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2371,7 +2371,7 @@ class ReadControlParameterSpeedLimitReply(ControlParametersSpeedLimit, Reply):
     ID = 0x140
     CODE = 0xB0
     NODES = (1, 32)
-    STATES = {"speed_limit": "control_parameters.speed_limit"}
+    VARIABLES = {"speed_limit": "control_parameters.speed_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2391,7 +2391,7 @@ class WriteControlParameterRamTorqueLimitReply(ControlParametersTorqueLimit, Rep
     ID = 0x140
     CODE = 0xB1
     NODES = (1, 32)
-    STATES = {"torque_limit": "control_parameters.torque_limit"}
+    VARIABLES = {"torque_limit": "control_parameters.torque_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2411,7 +2411,7 @@ class WriteControlParameterRamAccelerationLimitReply(ControlParametersAccelerati
     ID = 0x140
     CODE = 0xB1
     NODES = (1, 32)
-    STATES = {"acceleration_limit": "control_parameters.acceleration_limit"}
+    VARIABLES = {"acceleration_limit": "control_parameters.acceleration_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2431,7 +2431,7 @@ class WriteControlParameterRamSpeedLimitReply(ControlParametersSpeedLimit, Reply
     ID = 0x140
     CODE = 0xB1
     NODES = (1, 32)
-    STATES = {"speed_limit": "control_parameters.speed_limit"}
+    VARIABLES = {"speed_limit": "control_parameters.speed_limit"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2620,7 +2620,7 @@ class ReadMultiTurnAngleReply(Reply):
     ID = 0x140
     CODE = 0x92
     NODES = (1, 32)
-    STATES = {"angle": "multi_turn_angle"}
+    VARIABLES = {"angle": "multi_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": MULTI_TURN_ANGLE}
@@ -2681,7 +2681,7 @@ class ReadSingleTurnAngleReply(Reply):
     ID = 0x140
     CODE = 0x94
     NODES = (1, 32)
-    STATES = {"angle": "single_turn_angle"}
+    VARIABLES = {"angle": "single_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
@@ -2743,7 +2743,7 @@ class SetAngleReply(SetAngle, Reply):
     ID = 0x140
     CODE = 0x95
     NODES = (1, 32)
-    STATES = {"angle": "multi_turn_angle"}
+    VARIABLES = {"angle": "multi_turn_angle"}
 
 
 class ReadStatus1Reply(Status1, Reply):

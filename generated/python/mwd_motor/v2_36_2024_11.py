@@ -166,7 +166,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2024-11"
-SPEC_HASH = "a2cb19c1cde7e7b49b81861bb265028ba9c296d707911a6cc9fa2f522aaf5b12"
+SPEC_HASH = "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a"
 
 
 class Series(str, Enum):
@@ -1070,7 +1070,7 @@ class BrakeRequest(Request["BrakeReply"]):
     MANUAL = "8"
     EFFECTS = ("switches_brake",)
     EXEMPT = {"action": {16: ("switches_brake",)}}
-    STATES = {"action": "brake"}
+    VARIABLES = {"action": "brake"}
 
     __match_args__ = ("action",)
     TYPES = {"action": _BrakeAction}
@@ -1973,7 +1973,7 @@ class WriteControlParameterRamAnglePidRequest(PidGains, Request["WriteControlPar
     TITLE = "Write control parameter: Gains of the position loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.angle_pid.kp",
         "ki": "control_parameters.angle_pid.ki",
         "kd": "control_parameters.angle_pid.kd",
@@ -2004,7 +2004,7 @@ class WriteControlParameterRamSpeedPidRequest(PidGains, Request["WriteControlPar
     TITLE = "Write control parameter: Gains of the speed loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.speed_pid.kp",
         "ki": "control_parameters.speed_pid.ki",
         "kd": "control_parameters.speed_pid.kd",
@@ -2035,7 +2035,7 @@ class WriteControlParameterRamCurrentPidRequest(PidGains, Request["WriteControlP
     TITLE = "Write control parameter: Gains of the current loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.current_pid.kp",
         "ki": "control_parameters.current_pid.ki",
         "kd": "control_parameters.current_pid.kd",
@@ -2069,7 +2069,7 @@ class WriteControlParameterRamMaxTorqueCurrentRequest(
     TITLE = "Write control parameter: Maximum torque current"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {"max_torque_current": "control_parameters.max_torque_current"}
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2099,7 +2099,7 @@ class WriteControlParameterRamMaxSpeedRequest(
     TITLE = "Write control parameter: Maximum speed"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {"max_speed": "control_parameters.max_speed"}
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2129,7 +2129,7 @@ class WriteControlParameterRamMaxAngleRequest(
     TITLE = "Write control parameter: Angle limit"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {"max_angle": "control_parameters.max_angle"}
+    VARIABLES = {"max_angle": "control_parameters.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2159,7 +2159,7 @@ class WriteControlParameterRamCurrentRampRequest(
     TITLE = "Write control parameter: Current ramp"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {"current_ramp": "control_parameters.current_ramp"}
+    VARIABLES = {"current_ramp": "control_parameters.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2189,7 +2189,7 @@ class WriteControlParameterRamSpeedRampRequest(
     TITLE = "Write control parameter: Speed ramp"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {"speed_ramp": "control_parameters.speed_ramp"}
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2298,7 +2298,7 @@ class SetAngleRequest(SetAngle, Request["SetAngleReply"]):
     TITLE = "Set multi-turn angle of the present position"
     MANUAL = "24"
     EFFECTS = ("sets_zero", "writes_ram")
-    STATES = {"angle": "multi_turn_angle"}
+    VARIABLES = {"angle": "multi_turn_angle"}
 
 
 class ReadStatus1Request(ToNode, Request["ReadStatus1Reply"]):
@@ -2443,7 +2443,7 @@ class BrakeReply(Reply):
     ID = 0x180
     CODE = 0x8C
     NODES = (1, 32)
-    STATES = {"state": "brake"}
+    VARIABLES = {"state": "brake"}
 
     __match_args__ = ("state",)
     TYPES = {"state": _BrakeState}
@@ -2634,7 +2634,7 @@ class ReadControlParameterAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.angle_pid.kp",
         "ki": "control_parameters.angle_pid.ki",
         "kd": "control_parameters.angle_pid.kd",
@@ -2658,7 +2658,7 @@ class ReadControlParameterSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.speed_pid.kp",
         "ki": "control_parameters.speed_pid.ki",
         "kd": "control_parameters.speed_pid.kd",
@@ -2682,7 +2682,7 @@ class ReadControlParameterCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.current_pid.kp",
         "ki": "control_parameters.current_pid.ki",
         "kd": "control_parameters.current_pid.kd",
@@ -2706,7 +2706,7 @@ class ReadControlParameterMaxTorqueCurrentReply(ControlParametersMaxTorqueCurren
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {"max_torque_current": "control_parameters.max_torque_current"}
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2726,7 +2726,7 @@ class ReadControlParameterMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {"max_speed": "control_parameters.max_speed"}
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2746,7 +2746,7 @@ class ReadControlParameterMaxAngleReply(ControlParametersMaxAngle, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {"max_angle": "control_parameters.max_angle"}
+    VARIABLES = {"max_angle": "control_parameters.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2766,7 +2766,7 @@ class ReadControlParameterCurrentRampReply(ControlParametersCurrentRamp, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {"current_ramp": "control_parameters.current_ramp"}
+    VARIABLES = {"current_ramp": "control_parameters.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2786,7 +2786,7 @@ class ReadControlParameterSpeedRampReply(ControlParametersSpeedRamp, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {"speed_ramp": "control_parameters.speed_ramp"}
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2806,7 +2806,7 @@ class WriteControlParameterRamAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.angle_pid.kp",
         "ki": "control_parameters.angle_pid.ki",
         "kd": "control_parameters.angle_pid.kd",
@@ -2830,7 +2830,7 @@ class WriteControlParameterRamSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.speed_pid.kp",
         "ki": "control_parameters.speed_pid.ki",
         "kd": "control_parameters.speed_pid.kd",
@@ -2854,7 +2854,7 @@ class WriteControlParameterRamCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.current_pid.kp",
         "ki": "control_parameters.current_pid.ki",
         "kd": "control_parameters.current_pid.kd",
@@ -2878,7 +2878,7 @@ class WriteControlParameterRamMaxTorqueCurrentReply(ControlParametersMaxTorqueCu
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {"max_torque_current": "control_parameters.max_torque_current"}
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2898,7 +2898,7 @@ class WriteControlParameterRamMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {"max_speed": "control_parameters.max_speed"}
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2918,7 +2918,7 @@ class WriteControlParameterRamMaxAngleReply(ControlParametersMaxAngle, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {"max_angle": "control_parameters.max_angle"}
+    VARIABLES = {"max_angle": "control_parameters.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2938,7 +2938,7 @@ class WriteControlParameterRamCurrentRampReply(ControlParametersCurrentRamp, Rep
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {"current_ramp": "control_parameters.current_ramp"}
+    VARIABLES = {"current_ramp": "control_parameters.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2958,7 +2958,7 @@ class WriteControlParameterRamSpeedRampReply(ControlParametersSpeedRamp, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {"speed_ramp": "control_parameters.speed_ramp"}
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3132,7 +3132,7 @@ class ReadMultiTurnAngleReply(Reply):
     ID = 0x180
     CODE = 0x92
     NODES = (1, 32)
-    STATES = {"angle": "multi_turn_angle"}
+    VARIABLES = {"angle": "multi_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": MULTI_TURN_ANGLE}
@@ -3193,7 +3193,7 @@ class ReadSingleTurnAngleReply(Reply):
     ID = 0x180
     CODE = 0x94
     NODES = (1, 32)
-    STATES = {"angle": "single_turn_angle"}
+    VARIABLES = {"angle": "single_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
@@ -3255,7 +3255,7 @@ class SetAngleReply(SetAngle, Reply):
     ID = 0x180
     CODE = 0x95
     NODES = (1, 32)
-    STATES = {"angle": "multi_turn_angle"}
+    VARIABLES = {"angle": "multi_turn_angle"}
 
 
 class ReadStatus1Reply(Status1, Reply):

@@ -233,7 +233,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2025-03"
-SPEC_HASH = "69d95485ce236ab871867a47d2911ad61a1cb766acc8216d6f4d9f85bf9b28eb"
+SPEC_HASH = "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf"
 
 
 class Series(str, Enum):
@@ -1626,7 +1626,7 @@ class BrakeRequest(Request["BrakeReply"]):
     MANUAL = "8"
     EFFECTS = ("switches_brake",)
     EXEMPT = {"action": {16: ("switches_brake",)}}
-    STATES = {"action": "brake"}
+    VARIABLES = {"action": "brake"}
 
     __match_args__ = ("action",)
     TYPES = {"action": _BrakeAction}
@@ -2529,7 +2529,7 @@ class WriteControlParameterRamAnglePidRequest(PidGains, Request["WriteControlPar
     TITLE = "Write control parameter: Gains of the position loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.angle_pid.kp",
         "ki": "control_parameters.angle_pid.ki",
         "kd": "control_parameters.angle_pid.kd",
@@ -2560,7 +2560,7 @@ class WriteControlParameterRamSpeedPidRequest(PidGains, Request["WriteControlPar
     TITLE = "Write control parameter: Gains of the speed loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.speed_pid.kp",
         "ki": "control_parameters.speed_pid.ki",
         "kd": "control_parameters.speed_pid.kd",
@@ -2591,7 +2591,7 @@ class WriteControlParameterRamCurrentPidRequest(PidGains, Request["WriteControlP
     TITLE = "Write control parameter: Gains of the current loop"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.current_pid.kp",
         "ki": "control_parameters.current_pid.ki",
         "kd": "control_parameters.current_pid.kd",
@@ -2625,7 +2625,7 @@ class WriteControlParameterRamMaxTorqueCurrentRequest(
     TITLE = "Write control parameter: Torque current limit"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {"max_torque_current": "control_parameters.max_torque_current"}
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2655,7 +2655,7 @@ class WriteControlParameterRamMaxSpeedRequest(
     TITLE = "Write control parameter: Speed limit"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {"max_speed": "control_parameters.max_speed"}
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2685,7 +2685,7 @@ class WriteControlParameterRamUpperAngleRequest(
     TITLE = "Write control parameter: Upper angle limit"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {"upper_angle": "control_parameters.upper_angle"}
+    VARIABLES = {"upper_angle": "control_parameters.upper_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2715,7 +2715,7 @@ class WriteControlParameterRamLowerAngleRequest(
     TITLE = "Write control parameter: Lower angle limit"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {"lower_angle": "control_parameters.lower_angle"}
+    VARIABLES = {"lower_angle": "control_parameters.lower_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -2745,7 +2745,7 @@ class WriteControlParameterRamSpeedRampRequest(
     TITLE = "Write control parameter: Speed ramp"
     MANUAL = "19"
     EFFECTS = ("writes_ram",)
-    STATES = {"speed_ramp": "control_parameters.speed_ramp"}
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3215,7 +3215,7 @@ class StageStoredSettingDriverIdRequest(StoredSettingsDriverId, Request["StageSt
     TITLE = "Write stored setting: Node id"
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
-    STATES = {"driver_id": "stored_settings.driver_id"}
+    VARIABLES = {"driver_id": "stored_settings.driver_id"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3243,7 +3243,7 @@ class StageStoredSettingBusTypeRequest(StoredSettingsBusType, Request["StageStor
     TITLE = "Write stored setting: Bus"
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
-    STATES = {"bus_type": "stored_settings.bus_type"}
+    VARIABLES = {"bus_type": "stored_settings.bus_type"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3274,7 +3274,7 @@ class StageStoredSettingRs485BaudRateRequest(
     TITLE = "Write stored setting: RS485 bit rate"
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
-    STATES = {"rs485_baud_rate": "stored_settings.rs485_baud_rate"}
+    VARIABLES = {"rs485_baud_rate": "stored_settings.rs485_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3302,7 +3302,7 @@ class StageStoredSettingCanBaudRateRequest(StoredSettingsCanBaudRate, Request["S
     TITLE = "Write stored setting: CAN bit rate"
     MANUAL = "27"
     EFFECTS = ("stages", "moves_contact")
-    STATES = {"can_baud_rate": "stored_settings.can_baud_rate"}
+    VARIABLES = {"can_baud_rate": "stored_settings.can_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3329,7 +3329,7 @@ class StageStoredSettingMaxPowerRequest(StoredSettingsMaxPower, Request["StageSt
     TITLE = "Write stored setting: Maximum power"
     MANUAL = "27"
     EFFECTS = ("stages",)
-    STATES = {"max_power": "stored_settings.max_power"}
+    VARIABLES = {"max_power": "stored_settings.max_power"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3356,7 +3356,7 @@ class StageStoredSettingMaxSpeedRequest(StoredSettingsMaxSpeed, Request["StageSt
     TITLE = "Write stored setting: Maximum speed"
     MANUAL = "27"
     EFFECTS = ("stages",)
-    STATES = {"max_speed": "stored_settings.max_speed"}
+    VARIABLES = {"max_speed": "stored_settings.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3383,7 +3383,7 @@ class StageStoredSettingMaxAngleRequest(StoredSettingsMaxAngle, Request["StageSt
     TITLE = "Write stored setting: Maximum angle"
     MANUAL = "27"
     EFFECTS = ("stages",)
-    STATES = {"max_angle": "stored_settings.max_angle"}
+    VARIABLES = {"max_angle": "stored_settings.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3410,7 +3410,7 @@ class StageStoredSettingCurrentRampRequest(StoredSettingsCurrentRamp, Request["S
     TITLE = "Write stored setting: Current ramp"
     MANUAL = "27"
     EFFECTS = ("stages",)
-    STATES = {"current_ramp": "stored_settings.current_ramp"}
+    VARIABLES = {"current_ramp": "stored_settings.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3437,7 +3437,7 @@ class StageStoredSettingSpeedRampRequest(StoredSettingsSpeedRamp, Request["Stage
     TITLE = "Write stored setting: Speed ramp"
     MANUAL = "27"
     EFFECTS = ("stages",)
-    STATES = {"speed_ramp": "stored_settings.speed_ramp"}
+    VARIABLES = {"speed_ramp": "stored_settings.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3464,7 +3464,7 @@ class StageStoredSettingAnglePidRequest(PidGains, Request["StageStoredSettingAng
     TITLE = "Write stored setting: Gains of the position loop"
     MANUAL = "27"
     EFFECTS = ("stages",)
-    STATES = {
+    VARIABLES = {
         "kp": "stored_settings.angle_pid.kp",
         "ki": "stored_settings.angle_pid.ki",
         "kd": "stored_settings.angle_pid.kd",
@@ -3495,7 +3495,7 @@ class StageStoredSettingSpeedPidRequest(PidGains, Request["StageStoredSettingSpe
     TITLE = "Write stored setting: Gains of the speed loop"
     MANUAL = "27"
     EFFECTS = ("stages",)
-    STATES = {
+    VARIABLES = {
         "kp": "stored_settings.speed_pid.kp",
         "ki": "stored_settings.speed_pid.ki",
         "kd": "stored_settings.speed_pid.kd",
@@ -3526,7 +3526,7 @@ class StageStoredSettingCurrentPidRequest(PidGains, Request["StageStoredSettingC
     TITLE = "Write stored setting: Gains of the current loop"
     MANUAL = "27"
     EFFECTS = ("stages",)
-    STATES = {
+    VARIABLES = {
         "kp": "stored_settings.current_pid.kp",
         "ki": "stored_settings.current_pid.ki",
         "kd": "stored_settings.current_pid.kd",
@@ -3650,7 +3650,7 @@ class BrakeReply(Reply):
     ID = 0x180
     CODE = 0x8C
     NODES = (1, 32)
-    STATES = {"state": "brake"}
+    VARIABLES = {"state": "brake"}
 
     __match_args__ = ("state",)
     TYPES = {"state": _BrakeState}
@@ -3841,7 +3841,7 @@ class ReadControlParameterAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.angle_pid.kp",
         "ki": "control_parameters.angle_pid.ki",
         "kd": "control_parameters.angle_pid.kd",
@@ -3865,7 +3865,7 @@ class ReadControlParameterSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.speed_pid.kp",
         "ki": "control_parameters.speed_pid.ki",
         "kd": "control_parameters.speed_pid.kd",
@@ -3889,7 +3889,7 @@ class ReadControlParameterCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.current_pid.kp",
         "ki": "control_parameters.current_pid.ki",
         "kd": "control_parameters.current_pid.kd",
@@ -3913,7 +3913,7 @@ class ReadControlParameterMaxTorqueCurrentReply(ControlParametersMaxTorqueCurren
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {"max_torque_current": "control_parameters.max_torque_current"}
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3933,7 +3933,7 @@ class ReadControlParameterMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {"max_speed": "control_parameters.max_speed"}
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3953,7 +3953,7 @@ class ReadControlParameterUpperAngleReply(ControlParametersUpperAngle, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {"upper_angle": "control_parameters.upper_angle"}
+    VARIABLES = {"upper_angle": "control_parameters.upper_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3973,7 +3973,7 @@ class ReadControlParameterLowerAngleReply(ControlParametersLowerAngle, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {"lower_angle": "control_parameters.lower_angle"}
+    VARIABLES = {"lower_angle": "control_parameters.lower_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -3993,7 +3993,7 @@ class ReadControlParameterSpeedRampReply(ControlParametersSpeedRamp, Reply):
     ID = 0x180
     CODE = 0xC0
     NODES = (1, 32)
-    STATES = {"speed_ramp": "control_parameters.speed_ramp"}
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4013,7 +4013,7 @@ class WriteControlParameterRamAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.angle_pid.kp",
         "ki": "control_parameters.angle_pid.ki",
         "kd": "control_parameters.angle_pid.kd",
@@ -4037,7 +4037,7 @@ class WriteControlParameterRamSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.speed_pid.kp",
         "ki": "control_parameters.speed_pid.ki",
         "kd": "control_parameters.speed_pid.kd",
@@ -4061,7 +4061,7 @@ class WriteControlParameterRamCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "control_parameters.current_pid.kp",
         "ki": "control_parameters.current_pid.ki",
         "kd": "control_parameters.current_pid.kd",
@@ -4085,7 +4085,7 @@ class WriteControlParameterRamMaxTorqueCurrentReply(ControlParametersMaxTorqueCu
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {"max_torque_current": "control_parameters.max_torque_current"}
+    VARIABLES = {"max_torque_current": "control_parameters.max_torque_current"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4105,7 +4105,7 @@ class WriteControlParameterRamMaxSpeedReply(ControlParametersMaxSpeed, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {"max_speed": "control_parameters.max_speed"}
+    VARIABLES = {"max_speed": "control_parameters.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4125,7 +4125,7 @@ class WriteControlParameterRamUpperAngleReply(ControlParametersUpperAngle, Reply
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {"upper_angle": "control_parameters.upper_angle"}
+    VARIABLES = {"upper_angle": "control_parameters.upper_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4145,7 +4145,7 @@ class WriteControlParameterRamLowerAngleReply(ControlParametersLowerAngle, Reply
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {"lower_angle": "control_parameters.lower_angle"}
+    VARIABLES = {"lower_angle": "control_parameters.lower_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4165,7 +4165,7 @@ class WriteControlParameterRamSpeedRampReply(ControlParametersSpeedRamp, Reply):
     ID = 0x180
     CODE = 0xC1
     NODES = (1, 32)
-    STATES = {"speed_ramp": "control_parameters.speed_ramp"}
+    VARIABLES = {"speed_ramp": "control_parameters.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4427,7 +4427,7 @@ class ReadMultiTurnAngleReply(Reply):
     ID = 0x180
     CODE = 0x92
     NODES = (1, 32)
-    STATES = {"angle": "multi_turn_angle"}
+    VARIABLES = {"angle": "multi_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": MULTI_TURN_ANGLE}
@@ -4488,7 +4488,7 @@ class ReadSingleTurnAngleReply(Reply):
     ID = 0x180
     CODE = 0x94
     NODES = (1, 32)
-    STATES = {"angle": "single_turn_angle"}
+    VARIABLES = {"angle": "single_turn_angle"}
 
     __match_args__ = ("angle",)
     TYPES = {"angle": SINGLE_TURN_POSITION}
@@ -4717,7 +4717,7 @@ class ReadStoredSettingDriverIdReply(StoredSettingsDriverId, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {"driver_id": "stored_settings.driver_id"}
+    VARIABLES = {"driver_id": "stored_settings.driver_id"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4737,7 +4737,7 @@ class ReadStoredSettingBusTypeReply(StoredSettingsBusType, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {"bus_type": "stored_settings.bus_type"}
+    VARIABLES = {"bus_type": "stored_settings.bus_type"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4757,7 +4757,7 @@ class ReadStoredSettingRs485BaudRateReply(StoredSettingsRs485BaudRate, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {"rs485_baud_rate": "stored_settings.rs485_baud_rate"}
+    VARIABLES = {"rs485_baud_rate": "stored_settings.rs485_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4777,7 +4777,7 @@ class ReadStoredSettingCanBaudRateReply(StoredSettingsCanBaudRate, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {"can_baud_rate": "stored_settings.can_baud_rate"}
+    VARIABLES = {"can_baud_rate": "stored_settings.can_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4797,7 +4797,7 @@ class ReadStoredSettingMaxPowerReply(StoredSettingsMaxPower, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {"max_power": "stored_settings.max_power"}
+    VARIABLES = {"max_power": "stored_settings.max_power"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4817,7 +4817,7 @@ class ReadStoredSettingMaxSpeedReply(StoredSettingsMaxSpeed, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {"max_speed": "stored_settings.max_speed"}
+    VARIABLES = {"max_speed": "stored_settings.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4837,7 +4837,7 @@ class ReadStoredSettingMaxAngleReply(StoredSettingsMaxAngle, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {"max_angle": "stored_settings.max_angle"}
+    VARIABLES = {"max_angle": "stored_settings.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4857,7 +4857,7 @@ class ReadStoredSettingCurrentRampReply(StoredSettingsCurrentRamp, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {"current_ramp": "stored_settings.current_ramp"}
+    VARIABLES = {"current_ramp": "stored_settings.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4877,7 +4877,7 @@ class ReadStoredSettingSpeedRampReply(StoredSettingsSpeedRamp, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {"speed_ramp": "stored_settings.speed_ramp"}
+    VARIABLES = {"speed_ramp": "stored_settings.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4897,7 +4897,7 @@ class ReadStoredSettingAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "stored_settings.angle_pid.kp",
         "ki": "stored_settings.angle_pid.ki",
         "kd": "stored_settings.angle_pid.kd",
@@ -4921,7 +4921,7 @@ class ReadStoredSettingSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "stored_settings.speed_pid.kp",
         "ki": "stored_settings.speed_pid.ki",
         "kd": "stored_settings.speed_pid.kd",
@@ -4945,7 +4945,7 @@ class ReadStoredSettingCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x40
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "stored_settings.current_pid.kp",
         "ki": "stored_settings.current_pid.ki",
         "kd": "stored_settings.current_pid.kd",
@@ -4969,7 +4969,7 @@ class StageStoredSettingDriverIdReply(StoredSettingsDriverId, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {"driver_id": "stored_settings.driver_id"}
+    VARIABLES = {"driver_id": "stored_settings.driver_id"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -4989,7 +4989,7 @@ class StageStoredSettingBusTypeReply(StoredSettingsBusType, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {"bus_type": "stored_settings.bus_type"}
+    VARIABLES = {"bus_type": "stored_settings.bus_type"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5009,7 +5009,7 @@ class StageStoredSettingRs485BaudRateReply(StoredSettingsRs485BaudRate, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {"rs485_baud_rate": "stored_settings.rs485_baud_rate"}
+    VARIABLES = {"rs485_baud_rate": "stored_settings.rs485_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5029,7 +5029,7 @@ class StageStoredSettingCanBaudRateReply(StoredSettingsCanBaudRate, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {"can_baud_rate": "stored_settings.can_baud_rate"}
+    VARIABLES = {"can_baud_rate": "stored_settings.can_baud_rate"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5049,7 +5049,7 @@ class StageStoredSettingMaxPowerReply(StoredSettingsMaxPower, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {"max_power": "stored_settings.max_power"}
+    VARIABLES = {"max_power": "stored_settings.max_power"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5069,7 +5069,7 @@ class StageStoredSettingMaxSpeedReply(StoredSettingsMaxSpeed, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {"max_speed": "stored_settings.max_speed"}
+    VARIABLES = {"max_speed": "stored_settings.max_speed"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5089,7 +5089,7 @@ class StageStoredSettingMaxAngleReply(StoredSettingsMaxAngle, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {"max_angle": "stored_settings.max_angle"}
+    VARIABLES = {"max_angle": "stored_settings.max_angle"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5109,7 +5109,7 @@ class StageStoredSettingCurrentRampReply(StoredSettingsCurrentRamp, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {"current_ramp": "stored_settings.current_ramp"}
+    VARIABLES = {"current_ramp": "stored_settings.current_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5129,7 +5129,7 @@ class StageStoredSettingSpeedRampReply(StoredSettingsSpeedRamp, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {"speed_ramp": "stored_settings.speed_ramp"}
+    VARIABLES = {"speed_ramp": "stored_settings.speed_ramp"}
 
     def encode_unchecked(self) -> bytes:
         """The data bytes of this frame, also where `encode` refuses: every field as it was received."""
@@ -5149,7 +5149,7 @@ class StageStoredSettingAnglePidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "stored_settings.angle_pid.kp",
         "ki": "stored_settings.angle_pid.ki",
         "kd": "stored_settings.angle_pid.kd",
@@ -5173,7 +5173,7 @@ class StageStoredSettingSpeedPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "stored_settings.speed_pid.kp",
         "ki": "stored_settings.speed_pid.ki",
         "kd": "stored_settings.speed_pid.kd",
@@ -5197,7 +5197,7 @@ class StageStoredSettingCurrentPidReply(PidGains, Reply):
     ID = 0x180
     CODE = 0x42
     NODES = (1, 32)
-    STATES = {
+    VARIABLES = {
         "kp": "stored_settings.current_pid.kp",
         "ki": "stored_settings.current_pid.ki",
         "kd": "stored_settings.current_pid.kd",

@@ -175,7 +175,7 @@ def _table(command: Command, message: Message, language: str) -> RenderableType:
                 *_meaning(field, _relevant(command, message.layout, field)),
                 visible(field.title[language])
                 + (f" ({visible(field.manual_name)})" if field.manual_name else "")
-                + (f" (variable {field.state})" if field.state else "")
+                + (f" (variable {field.variable})" if field.variable else "")
                 + (f" (deprecated {field.deprecated})" if field.deprecated else ""),
             )
     return table

@@ -185,7 +185,7 @@ def _value(field: Field, text: str) -> Value:
 
 def _single(type_: Type, text: str) -> Fraction | str:
     """A name as it is, or else a number."""
-    names = [member.name for member in (*type_.enum, *type_.no_values)]
+    names = [] if type_.flags else [member.name for member in type_.members]
     if text in names or text in SPECIAL:
         return text
     try:

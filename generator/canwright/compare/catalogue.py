@@ -187,7 +187,7 @@ _VALUE = (
         "the command ends the motion: {new} (was {old})",
     ),
     (
-        "state-changed",
+        "variable-changed",
         "A field reads or writes another variable of a node.",
         "the variable of `{name}` is {new} (was {old})",
     ),
@@ -317,7 +317,7 @@ _WITHOUT_WITNESS = {
     "implemented-changed": "effects",
     "limits-changed": "effects",
     "member-effects-changed": "effects",
-    "state-changed": "effects",
+    "variable-changed": "effects",
     "state-effects-changed": "effects",
     "state-entry-changed": "effects",
     "bit-rates-changed": "setting",

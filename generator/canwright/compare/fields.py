@@ -99,7 +99,7 @@ _OF_FIELD = (
     Attribute[Field](
         "holds-changed", "holds", lambda f: Keyword("the node" if isinstance(f.role, NodeRole) else "a value")
     ),
-    Attribute[Field]("state-changed", "state", lambda f: f.state or Keyword("none"), impact=Impact.SILENT),
+    Attribute[Field]("variable-changed", "variable", lambda f: f.variable or Keyword("none"), impact=Impact.SILENT),
 )
 
 

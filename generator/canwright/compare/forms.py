@@ -82,7 +82,7 @@ def constants(message: Message) -> Mapping[str, Field]:
             is_array=False,
             only=(),
             role=ConstantRole(key.value),
-            state=None,
+            variable=None,
             title={},
             about={},
             manual="",

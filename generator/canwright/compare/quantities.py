@@ -68,14 +68,8 @@ def compare(subject: Subject, name: str, old: Type, new: Type) -> None:
     pair = Pair(subject, name, old, new)
     linear = [_scales(pair), _offsets(pair)]
     shows_parameters = any([*linear, _ranges(pair)])
-    named: tuple[tuple[str, tuple[Member, ...], tuple[Member, ...]], ...] = (
-        ("enum", old.enum, new.enum),
-        ("flags", old.flags, new.flags),
-        ("no_value", old.no_values, new.no_values),
-        ("names", old.names, new.names),
-    )
-    for key, before, after in named:
-        _members(subject.at(key), name, before, after)
+    for key, members in old.members_by_key.items():
+        _members(subject.at(key), name, members, new.members_by_key[key])
     subject.attributes((_UNIT,) if shows_parameters else (_UNIT, _PARAMETERS), old, new, name=name)
     subject.used().attributes([_PLAUSIBLE], old, new, name=name)
 

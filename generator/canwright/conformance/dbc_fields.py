@@ -110,7 +110,7 @@ class Cell:
             return None if flags.issuperset(names) else Refused(Refusal.OUT_OF_RANGE, self.field.name)
         if type_.encoding is Encoding.FLOAT and value in [named.name for named in type_.no_values]:
             raise Cannot("not_finite")
-        if type_.enum or value in [named.name for named in type_.no_values]:
+        if type_.enum or (type_.is_number and value in [member.name for member in type_.members]):
             data[self.signal.name] = str(value)
             known = {str(choice) for choice in (self.signal.choices or {}).values()}
             return None if value in known else Refused(Refusal.OUT_OF_RANGE, self.field.name)

@@ -58,7 +58,9 @@ class PythonAdapter(Adapter):
         self._module = module
         self._nodes = nodes
         self._decoder = Decoder(edition)
-        self._names = {attribute(f.name): f.name for m in edition.all_messages() for f in m.layout.fields}
+        messages = edition.all_messages()
+        self._names = {attribute(f.name): f.name for m in messages for f in m.layout.fields}
+        self._fields = {(class_name(m.name), f.name): f for m in messages for f in m.layout.fields}
 
     @classmethod
     def create(cls, specification: EditionInput, workdir: Path) -> PythonAdapter:
@@ -116,9 +118,20 @@ class PythonAdapter(Adapter):
         ignored = [f for m in ours for f in m.layout.fields if f.space is Space.ID and isinstance(f.role, ReservedRole)]
         return sum(1 << bit for f in ignored for element in f.elements for bit in element.bits)
 
+    def _check_names(self, message: Any) -> None:
+        """The names beside values are those of the spec."""
+        named: dict[str, Any] = {}
+        for name, raw in message.raw().items():
+            type_ = self._field(type(message), self._names[name]).type
+            names = tuple(type_.name_of(each) or None for each in (raw if isinstance(raw, tuple) else [raw]))
+            if any(names):
+                named[name] = names if isinstance(raw, tuple) else names[0]
+        assert message.names() == named
+
     def _values(self, message: Any) -> list[tuple[str, Value]]:
         values: list[tuple[str, Value]] = []
         no_values = message.no_values()
+        self._check_names(message)
         for name in message.fields():
             try:
                 value = getattr(message, name)
@@ -227,13 +240,11 @@ class PythonAdapter(Adapter):
                 given[attribute(name)] = int(value) if parameter.is_choice else float(value)
         return self._module.Parameters(**given)
 
+    def _field(self, cls: Any, name: str) -> Field:
+        return self._fields[cls.__name__, name]
+
     def _given(self, cls: Any, name: str, value: ExactValue) -> Any:
-        field = next(
-            f
-            for m in self.edition.all_messages()
-            for f in m.layout.fields
-            if class_name(m.name) == cls.__name__ and f.name == name
-        )
+        field = self._field(cls, name)
         if isinstance(field.type.joined, JoinedText):
             return value
         if isinstance(value, list):
@@ -243,8 +254,8 @@ class PythonAdapter(Adapter):
         return self._element(field, value)
 
     def _element(self, field: Field, value: ExactValue) -> Any:
-        if value in [named.name for named in field.type.no_values]:
-            return None if value == field.type.no_values[0].name else value
+        if field.type.is_number and value in [member.name for member in field.type.members]:
+            return None if field.type.no_values and value == field.type.no_values[0].name else value
         if isinstance(value, str) and field.type.enum:
             return getattr(self._module, class_name(field.type.name))[value.upper()]
         return _number(value)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..model.edition import Edition
 from ..model.golden_frames import (
@@ -21,7 +21,8 @@ from ..model.golden_frames import (
 )
 from ..model.message import Message
 from ..model.refusal import Refusal
-from ..semantics.decoder import Decoder, Rejection
+from ..model.types import Assignment, Type
+from ..semantics.decoder import Decoder, Rejection, value_of
 from ..semantics.frame import code_of, has_usual_code
 from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused, assignment
 
@@ -141,6 +142,8 @@ class Runner:
             got = answer.values.get(name)
             raw = frame.raw[name]
             one_ulp = 2.0**-52 if isinstance(raw, int) and abs(raw) > 1 << 53 else 0.0
+            fields = {field.name: field for field in message.layout.fields}
+            wanted = _number(fields[name].type, wanted, raw, assignment(frame.parameters))
             if not self._same(wanted, got, max(one_ulp, self._adapter.tolerance)):
                 return f"{name} is {_shown(got)}, not {_shown(wanted)}"
         return ""
@@ -214,6 +217,15 @@ class Runner:
 
 REASONS = {"beyond_double": "no double represents the value exactly, so it is only decoded"}
 """What no target can express."""
+
+
+def _number(type_: Type, wanted: ExactValue, raw: int | list[int], known: Assignment) -> Any:
+    """What a frame with a raw integer is decoded as, if it is written as the name of a number: the number."""
+    if isinstance(wanted, list) and isinstance(raw, list):
+        return [_number(type_, *each, known) for each in zip(wanted, raw, strict=True)]
+    if isinstance(raw, int) and wanted in [member.name for member in type_.names]:
+        return value_of(type_, raw, known)
+    return wanted
 
 
 def _can(entry: GoldenFrame | RefusedFrame | CheckedFrame) -> CanFrame:

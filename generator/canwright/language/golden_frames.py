@@ -83,7 +83,7 @@ class GoldenFrameSpec(SourcedSpec):
         dict[Name, Value],
         Doc(
             "Exact values of fields in their units; an enum by name, flags as a list of names, "
-            "a name of `no_value`, `none` if the field has no scale."
+            "a name of `no_value`, the number or the name of one of `names`, `none` if the field has no scale."
         ),
     ] = field(default_factory=dict)
     decode_only: Annotated[bool, Doc("True if an encoder writes other bytes, for example 0 in reserved bits.")] = False

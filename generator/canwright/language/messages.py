@@ -103,7 +103,7 @@ class FieldSpec(Description):
             examples=("0..14",),
         ),
     ] = None
-    state: Annotated[
+    variable: Annotated[
         Name | None,
         Doc(
             "The variable of the node that a request writes with this field, or that a reply reads, if it has another name than "

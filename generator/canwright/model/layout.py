@@ -210,8 +210,8 @@ class Field:
     """A run of bits with a type; an array has one element for each index.
 
     `only` are the values of the layout's parameter under which the field exists; empty means always. `renamed_from` is
-    its name in previous editions, `manual_name` the one that the manual prints; empty if it is not stated. `state` is the
-    variable of the node that a request writes with it, and a reply reads; None if it is not stated.
+    its name in previous editions, `manual_name` the one that the manual prints; empty if it is not stated. `variable` is
+    that of the node that a request writes with it, and a reply reads; None if it is not stated.
     """
 
     name: str
@@ -223,7 +223,7 @@ class Field:
     is_array: bool
     only: tuple[str, ...]
     role: FieldRole
-    state: str | None
+    variable: str | None
     title: Text
     about: Text
     manual: str

@@ -322,6 +322,16 @@ class Type:
         return next((member.name for member in self.names if member.value == raw), "")
 
     @property
+    def members(self) -> tuple[Member, ...]:
+        """All names of the type: of values, of bits, or of raw integers of a number."""
+        return tuple(member for members in self.members_by_key.values() for member in members)
+
+    @property
+    def members_by_key(self) -> Mapping[str, tuple[Member, ...]]:
+        """The names of the type by the key of the language that states them."""
+        return {"enum": self.enum, "flags": self.flags, "no_value": self.no_values, "names": self.names}
+
+    @property
     def is_number(self) -> bool:
         return not self.enum and not self.flags
 

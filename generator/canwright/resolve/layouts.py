@@ -164,7 +164,7 @@ class LayoutResolver:
             is_array=indices is not None,
             only=tuple(v for values in self.only(path, written.only).values() for v in values),
             role=_role(written, type_),
-            state=written.state,
+            variable=written.variable,
             title=title,
             about=written.about,
             manual=written.manual or manual,

@@ -13,7 +13,7 @@ from ..model.golden_frames import GoldenFrame
 from ..model.layout import Field, Space
 from ..model.message import Direction, Message
 from ..model.refusal import Refusal
-from ..model.types import Assignment, Order
+from ..model.types import Assignment, Order, Type
 from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_value, rejects_checked
 from ..semantics.encoder import Encoder, Encoders
 from ..semantics.frame import CanFrame, Raw, code_of, difference, node_in_id, raws, sent_id
@@ -243,9 +243,16 @@ def _values(
         if name in frame.raw and frame.raw[name] != in_data[name]:
             continue  # already reported: the value follows from the raw integer
         value = field_value(fields[name], in_data[name], assignment)
-        if not _same(wanted, value):
+        if not _same(wanted, _as_written(fields[name].type, wanted, in_data[name], value)):
             problems.append((("values", name), *_other_value(fields[name], wanted == in_data[name], value, assignment)))
     return problems
+
+
+def _as_written(type_: Type, wanted: object, raw: object, value: object) -> object:
+    """The value, in place of which a golden frame can have the name of a number."""
+    if isinstance(wanted, list) and isinstance(raw, list) and isinstance(value, list) and len(wanted) == len(value):
+        return [_as_written(type_, *each) for each in zip(wanted, raw, value, strict=True)]
+    return wanted if isinstance(raw, int) and wanted and wanted == type_.name_of(raw) else value
 
 
 def _no_field(name: str, fields: Mapping[str, Field], in_data: Mapping[str, Raw]) -> tuple[str, str]:

@@ -7,6 +7,7 @@ from ..language import aliases
 from ..model import formatting
 from ..model.types import Member, Range, Type
 from ..semantics.valid_raws import RawInterval, valid_raws
+from .no_value import RESERVED
 from .rule import CheckInput, Finding, Findings, RelatedItem
 
 
@@ -29,12 +30,17 @@ def check(subject: CheckInput) -> Findings:
 
 
 def _no_numbers(type_: Type) -> Findings:
-    """Named numbers that are no number of the type under any parameters."""
+    """Named numbers that are no number of the type under any parameters, or whose name has another meaning."""
     numbers = [valid for _, valid in valid_raws(type_).distinct() if isinstance(valid, RawInterval)]
     low, high = type_.raw_limits
     for member in type_.names if type_.is_number else ():
         path, no_value = (*type_.path, "names", member.name), type_.no_value(member.value)
-        if no_value is not None:
+        if member.name in RESERVED:
+            text = f"`{member.name}` is reserved here: in golden frames, it is another value"
+            yield Finding(path, text, "choose another name", key=True)
+        elif member.name in [no_value.name for no_value in type_.no_values]:
+            yield Finding(path, f"`{member.name}` is in `no_value` as well", "choose another name", key=True)
+        elif no_value is not None:
             text = f"{member.value} has no value, since it is `{no_value.name}` of `no_value`"
             yield Finding(path, text, "keep it in `names` if it is a number, in `no_value` if not")
         elif low <= member.value <= high and not any(valid.low <= member.value <= valid.high for valid in numbers):

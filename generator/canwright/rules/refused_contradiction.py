@@ -121,7 +121,7 @@ def _mismatch(field: Field, value: Value) -> tuple[str, str] | None:
         return (f"`{field.name}` is one value", "write it without brackets") if isinstance(value, list) else None
     if isinstance(value, list) is not (field.is_array or bool(field.type.flags and not isinstance(value, str))):
         return _shape(field)
-    members = field.type.enum or field.type.flags or field.type.no_values
+    members = field.type.members
     for part in value if isinstance(value, list) else (value,):
         if isinstance(part, str) and not (field.type.is_number and part in SPECIAL):
             names = [member.name for member in members]

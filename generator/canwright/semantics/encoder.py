@@ -207,7 +207,7 @@ class Encoder:
     def nearest_raw(self, field: Field, value: Value) -> int | Rejection:
         """The raw integer nearest to a value, ties away from zero, without a check of the range."""
         type_ = field.type
-        names = {member.name: member.value for member in type_.enum or type_.flags or type_.no_values}
+        names = {member.name: member.value for member in type_.members}
         is_name = isinstance(value, str) and bool(names) and not (type_.is_number and value in SPECIAL)
         given = value if isinstance(value, list) else [value] if is_name else []
         unknown = [name for name in given if name not in names]

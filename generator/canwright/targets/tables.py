@@ -76,6 +76,7 @@ class EditionTables(Positions, ABC):
             "enum": [[self.integer(m.value, type_.width), m.name] for m in type_.enum] or None,
             "flags": [[m.value, m.name] for m in type_.flags] or None,
             "linear": None if is_plain else self.by_parameter(type_.linear, self.linear),
+            "names": [[self.integer(m.value, type_.width), m.name] for m in type_.names] or None,
         }
 
     def by_parameter(self, of: ByParameter[T], value: Callable[[T], Value]) -> Value:

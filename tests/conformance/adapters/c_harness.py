@@ -160,7 +160,7 @@ class _Harness:
             "flags": members if type_.flags else [],
             "names": names.call({"raw": "raw"}) if names and type_.enum else "",
             "no_value": self._functions[f"{c}_no_value"].call({"raw": "raw"}) if type_.no_values else "",
-            "no_values": [(n.name, f"{c}_{n.name}".upper()) for n in type_.no_values],
+            "named": [(m.name, f"{c}_{m.name}".upper()) for m in (*type_.no_values, *type_.names)],
             "to": to.call({"value": "value", "raw": "raw", "parameters": "known"}) if to else "",
             "to_fails": to is not None and to.result != "double",
             "from": self._from(from_) if from_ else "",

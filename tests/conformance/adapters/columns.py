@@ -85,6 +85,10 @@ class ColumnsAdapter(DecodeOnlyAdapter):
             if own:
                 raw[field.name] = own[-1]
                 has_scale = names.value in table.columns
+                type_: Any = getattr(self._module, constant_name(field.type))
+                if field.type.names:
+                    assert names.raw in table.columns or field.type.is_plain or not has_scale
+                    assert type_.names == {member.value: member.name for member in field.type.names}
                 if field.type.no_values:
                     values[field.name] = self._value_or_name(
                         field, own[0] if has_scale else None, table.columns[names.raw]

@@ -102,7 +102,7 @@ def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:
         "value": next((conversion for conversion in type_.conversions if conversion.name == "value"), None),
         "presence": view.presence,
         "no_value": f"{type_.view.name}_no_value" if field.type.no_values else "",
-        "no_values": [(n.name, f"{type_.view.name}_{n.name}".upper()) for n in field.type.no_values],
+        "macros": [(m.name, f"{type_.view.name}_{m.name}".upper()) for m in (*field.type.no_values, *field.type.names)],
         "joined": type_.view.joined,
         "type": type_.name,
     }

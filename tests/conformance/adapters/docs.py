@@ -49,6 +49,7 @@ class DocsAdapter(Adapter):
         self._members: dict[str, dict[str, int]] = {}
         self._flags: set[str] = set()
         self._no_values: dict[str, dict[str, range]] = {}
+        self._named: dict[str, dict[str, int]] = {}
         self._choices: dict[str, list[str]] = {}
         self._messages: dict[tuple[Direction, str], MessagePage] = {}
         for path, text in pages.items():
@@ -74,6 +75,8 @@ class DocsAdapter(Adapter):
         for heading, rows in tables(text):
             if rows[0][0] == "Without a value":
                 self._no_values[heading] = {plain(row[1]): _integers(plain(row[0])) for row in rows[1:]}
+            if rows[0][0] == "Named raw integer":
+                self._named[heading] = {plain(row[1]): int(plain(row[0])) for row in rows[1:]}
             if rows[0][0] in ("Value", "Bit"):
                 self._members[heading] = {plain(row[1]): int(plain(row[0])) for row in rows[1:]}
                 if rows[0][0] == "Bit":
@@ -348,6 +351,8 @@ class DocsAdapter(Adapter):
         named = self._no_values.get(row.type, {})
         if isinstance(value, str) and value in named:
             return (1 << int(row.raw[1:].split()[0]) - 1) - 1 if row.raw[0] == "f" else named[value][-1]
+        if isinstance(value, str) and value in self._named.get(row.type, {}):
+            return self._named[row.type][value]
         scale = self._scale(row, parameters)
         if isinstance(scale, Refused):
             return scale

@@ -75,6 +75,8 @@ class JavaScriptAdapter(Adapter):
             if entry["reason"] != Refusal.MISSING_PARAMETER.value:
                 value = _names(field, entry["raw"], entry["value"]) if field.type.flags else entry["value"]
                 values[entry["name"]] = _or_names(_value(value), entry["noValue"])
+            named = [field.type.name_of(raw) or None for raw in (entry["raw"] if field.is_array else [entry["raw"]])]
+            assert entry["valueName"] == (named[0] if not field.is_array else named if any(named) else None)
         return Decoded(answer["command"], answer["node"], answer["raw"], values, answer.get("code"))
 
     def encode_raw(
@@ -185,9 +187,10 @@ def _content(field: Field, value: ExactValue) -> Any:
         return [_content(field, element) for element in value]
     if isinstance(field.type.joined, JoinedText):
         return _given(value)
-    names = [no_value.name for no_value in field.type.no_values]
-    if value in names:
-        return None if value == names[0] else value
+    if field.type.no_values and value == field.type.no_values[0].name:
+        return None
+    if field.type.is_number and value in [member.name for member in field.type.members]:
+        return value
     return _number(value) if field.type.is_number else _given(value)
 
 

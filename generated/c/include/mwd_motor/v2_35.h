@@ -26,12 +26,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_35_SPEC 0x36ac540du
+#define MWD_MOTOR_V2_35_SPEC 0x2e0afccbu
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_35_EDITION         "v2.35"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_35_SPEC_HASH       "36ac540da349da269d68b8159a0c9e56169fe5e43096d7ebd3599c27d8ca094a"
+#define MWD_MOTOR_V2_35_SPEC_HASH       "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_35_REPLY_WITHIN_US 250u
 

@@ -25,12 +25,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_36_2024_11_SPEC 0xa2cb19c1u
+#define MWD_MOTOR_V2_36_2024_11_SPEC 0xcd78d065u
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_36_2024_11_EDITION         "v2.36-2024-11"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_36_2024_11_SPEC_HASH       "a2cb19c1cde7e7b49b81861bb265028ba9c296d707911a6cc9fa2f522aaf5b12"
+#define MWD_MOTOR_V2_36_2024_11_SPEC_HASH       "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_36_2024_11_REPLY_WITHIN_US 250u
 

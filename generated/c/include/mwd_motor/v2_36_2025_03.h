@@ -25,12 +25,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_36_2025_03_SPEC 0x69d95485u
+#define MWD_MOTOR_V2_36_2025_03_SPEC 0x19aeb34fu
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_36_2025_03_EDITION         "v2.36-2025-03"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_36_2025_03_SPEC_HASH       "69d95485ce236ab871867a47d2911ad61a1cb766acc8216d6f4d9f85bf9b28eb"
+#define MWD_MOTOR_V2_36_2025_03_SPEC_HASH       "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf"
 /** Maximum time from request to reply, in microseconds. It does not apply to calibrate_encoder. */
 #define MWD_MOTOR_V2_36_2025_03_REPLY_WITHIN_US 250u
 

@@ -4,7 +4,7 @@ canwright.editions.push({
   tables: {
     family: "mwd_motor",
     edition: "v2.35-2024-02",
-    hash: "0b4e26fbcc150c7c5bf68523ab0c2e57edc24e371cc73a51e419f62103c42658",
+    hash: "50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5",
     replyWithin: 0.25,
     parameters: {
       series: { values: ["MS", "MF", "MH", "MG"] },

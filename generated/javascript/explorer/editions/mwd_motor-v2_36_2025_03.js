@@ -4,7 +4,7 @@ canwright.editions.push({
   tables: {
     family: "mwd_motor",
     edition: "v2.36-2025-03",
-    hash: "69d95485ce236ab871867a47d2911ad61a1cb766acc8216d6f4d9f85bf9b28eb",
+    hash: "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf",
     replyWithin: 0.25,
     parameters: {
       series: { values: ["MS", "MF", "MH", "MG"] },

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.layout import ROLE_KEYS, Field, NodeRole
 from ...model.message import Command, Direction, Message
-from ...model.types import Member, Type
+from ...model.types import Type
 from ..forms import constants
 
 Paths = frozenset[DocumentPath]
@@ -41,14 +41,9 @@ def of_fields(aspect: Aspect, fields: Iterable[Field], members: Iterable[str] = 
             if aspect is MEMBER:
                 yield from (
                     (*path, key, name)
-                    for key, named in _named(field.type)
+                    for key, named in field.type.members_by_key.items()
                     for name in (members or (member.name for member in named))
                 )
-
-
-def _named(type_: Type) -> Iterator[tuple[str, tuple[Member, ...]]]:
-    """The members of a type, by the key of the language."""
-    yield from (("enum", type_.enum), ("flags", type_.flags), ("no_value", type_.no_values), ("names", type_.names))
 
 
 def _of_type(field: Field) -> Iterator[DocumentPath]:

@@ -330,5 +330,5 @@ def _type(names: Names, type_: Type) -> Iterator[str]:
         yield from (names.upper(stem, ending, case) for case in type_.raw_range.cases)
     if type_.is_number:
         yield from (names.upper(stem, ending) for ending in SCALE_MACROS)
-    yield from (names.upper(stem, m.name) for m in (*type_.enum, *type_.flags, *type_.no_values, *type_.names))
+    yield from (names.upper(stem, m.name) for m in type_.members)
     yield from (names.upper(stem, n.name, FIRST) for n in type_.no_values if len(n.raws) > 1 and not n.is_nan)

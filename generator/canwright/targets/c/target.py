@@ -93,7 +93,7 @@ def _names(names: Names, edition: Edition) -> Iterator[Exported]:
             yield from ((address.path, function) for function in functions)
     for type_ in (t for t in edition.types if t.path[0] == "types"):
         stem = names.type_stem(type_)
-        by_key = (("enum", type_.enum), ("flags", type_.flags), ("names", type_.names))
+        by_key = type_.members_by_key.items()
         members = {names.upper(stem, m.name): (*type_.path, key, m.name) for key, named in by_key for m in named}
         if view.has(type_):
             yield from ((members.get(name, type_.path), name) for name in _type(view.type(type_)))

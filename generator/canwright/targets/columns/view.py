@@ -145,13 +145,13 @@ def arguments(type_: Type) -> Sequence[str]:
         listed.append(f"scale_by={literal(linear.parameter)}")
     if type_.encoding is Encoding.FLOAT:
         listed.append("is_float=True")
-    if type_.flags:
-        listed.append("is_flags=True")
+    if type_.enum or type_.flags:
+        listed.append("is_flags=True" if type_.flags else "is_enum=True")
     if isinstance(type_.joined, JoinedText):
         listed.append(f"text=({literal(type_.joined.codec)}, {type_.joined.padding})")
     elif type_.joined is not None:
         listed.append("is_digits=True")
-    members = type_.enum or type_.flags
+    members = type_.enum or type_.flags or type_.names
     if members:
         listed.append("names={" + ", ".join(f"{m.value}: {literal(m.name)}" for m in members) + "}")
     if type_.no_values:

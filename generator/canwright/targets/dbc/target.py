@@ -85,7 +85,9 @@ class DbcTarget(Target):
                 for path, name in _signals(part, field):
                     if name in existing:
                         yield path, existing[name]
-                        yield from (((*field.type.path, "enum", m.name), m.name) for m in field.type.enum)
+                        for key in ("enum", "no_value", "names"):
+                            members = field.type.members_by_key[key]
+                            yield from (((*field.type.path, key, m.name), m.name) for m in members)
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample | None:
         frame, command = worked.reply, worked.command

@@ -205,6 +205,6 @@ def _types(edition: Edition) -> Iterator[Record]:
         if is_named:
             titles = {"title": dict(type_.title), "about": dict(type_.about)}
             yield {"kind": "type", "name": type_.name, **titles, **_quantity(type_), "pages": pages}
-        for member in (*type_.enum, *type_.flags, *type_.no_values, *type_.names):
+        for member in type_.members:
             titles = {"title": dict(member.title), "about": dict(member.about)}
             yield {"kind": "value", "name": member.name, **titles, "pages": pages}

@@ -88,7 +88,7 @@ def field_rows(message: Message, command: Command, labels: Labels, language: str
                 + (f" ({deprecation(field.deprecated, labels)})" if field.deprecated else "")
                 + (f"{labels['and']}{holds}" if isinstance(field.role, NodeRole) else "")
                 + _computed(field, labels)
-                + (f"{labels['stop']}{labels['state_variable']} {code(field.state)}" if field.state else "")
+                + (f"{labels['stop']}{labels['variable']} {code(field.variable)}" if field.variable else "")
                 + _in_manual(field, layout, command, labels)
                 + _members(field.type, labels)
             )

@@ -216,9 +216,7 @@ class _Rows:
             bits=Fraction(type_.width),
             meaning=self._labels["semicolon"].join(filter(None, meaning)),
             fixed=_sent(field.role),
-            values=self._labels["semicolon"].join(
-                self._member(type_, member) for member in (*type_.enum, *type_.flags, *type_.no_values, *type_.names)
-            ),
+            values=self._labels["semicolon"].join(self._member(type_, member) for member in type_.members),
             manual=self._shown.section(field.manual or self._command.manual),
             manual_name=field.manual_name,
         )

@@ -55,6 +55,7 @@ def meaning(field: Field) -> str:
     limits = formatting.ranges(type_)
     parts += [f"raw {_by(limits)}"] if limits and type_.encoding is not Encoding.FLOAT else []
     parts += [f"raw {formatting.no_value(no_value)} is {no_value.name}" for no_value in type_.no_values]
+    parts += [f"raw {member.value} is named {member.name}" for member in type_.names]
     parts += [f"only {', '.join(field.only)}"] if field.only else []
     parts += [f"in the manual: {field.manual_name}"] if field.manual_name else []
     return text.comment("; ".join(parts))
@@ -87,11 +88,11 @@ def _types(type_: Type) -> Sequence[str]:
         names = " | ".join(text.quoted(flag.name) for flag in type_.flags)
         rest = f" | {raw}" if len(type_.flags) < type_.width else ""
         return raw, f"readonly ({names}{rest})[]", f"readonly ({names} | {number})[] | {number}"
-    named = "".join(f" | {text.quoted(no_value.name)}" for no_value in type_.no_values)
-    if named:
-        return raw, f"{raw if type_.is_plain else 'number'} | null", f"{number}{named} | null"
+    given = number + "".join(f" | {text.quoted(member.name)}" for member in type_.members)
+    if type_.no_values:
+        return raw, f"{raw if type_.is_plain else 'number'} | null", f"{given} | null"
     if type_.is_plain:
-        return raw, raw, number
+        return raw, raw, given
     linear = type_.linear.constant
     always = type_.encoding is not Encoding.FLOAT and linear is not None and linear.times is None
-    return raw, "number" if always else "number | null", number
+    return raw, "number" if always else "number | null", given

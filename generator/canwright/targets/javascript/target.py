@@ -103,9 +103,8 @@ class JavaScriptTarget(Target):
         for message in edition.all_messages():
             for field in (field for field in message.layout.fields if field.role.is_value):
                 yield field.path, field.name
-                key = "enum" if field.type.enum else "flags"
-                members = (*field.type.enum, *field.type.flags)
-                yield from (((*field.type.path, key, member.name), f'"{member.name}"') for member in members)
+                for key, members in field.type.members_by_key.items():
+                    yield from (((*field.type.path, key, member.name), f'"{member.name}"') for member in members)
 
 
 def _declared(edition: Edition) -> Mapping[str, object]:

@@ -75,7 +75,7 @@ def _type(type_: Type) -> Value:
     return {
         "resolution": resolutions if has_resolution else None,
         "range": ranges or None,
-        "members": _members(type_.enum or type_.flags or type_.no_values) or None,
+        "members": _members(type_.members) or None,
     }
 
 

@@ -59,7 +59,8 @@ def field_view(
     name = text.literal(attribute)
     raw = "raw" if only else f"self._raws[{place}]"
     python, raw_python, given = type_.python, "int", f"{type_.enum} | int" if type_.enum else use("Real")
-    given += " | str | None" if field.type.no_values else ""
+    given += " | str" if field.type.is_number and field.type.members else ""
+    given += " | None" if field.type.no_values else ""
     type_item = f"{name}: {type_.constant}"
     value: tuple[code.Code, ...]
     if field.type.joined is not None:

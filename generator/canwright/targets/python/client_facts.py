@@ -129,7 +129,7 @@ def _variables(command: Command, message: Message) -> dict[Field, str]:
     own = [field for field in values if field.path[0] != "commands"] if entry else []
     variables = {field: field.name for field in values} if message.direction is Direction.REPLY else {}
     variables |= {field: entry if len(own) == 1 else f"{entry}.{field.name}" for field in own}
-    return variables | {field: field.state for field in values if field.state}
+    return variables | {field: field.variable for field in values if field.variable}
 
 
 def state_attributes(command: Command, message: Message) -> Iterator[code.Code]:
@@ -141,7 +141,7 @@ def state_attributes(command: Command, message: Message) -> Iterator[code.Code]:
         if not is_reply or variable != text.attribute(field.name)
     ]
     if states:
-        yield code.dict_of(states, "STATES = ")
+        yield code.dict_of(states, "VARIABLES = ")
     plausible = {field.name: _plausible_raw(field) for field in varying(message.layout.fields) if is_reply}
     raws = [f"{text.literal(text.attribute(name))}: {raw}" for name, raw in plausible.items() if raw]
     if raws:

@@ -112,6 +112,8 @@ def of_type(type_: Type) -> str:
         parts.append(("from " if type_.encoding is Encoding.FLOAT else "raw ") + _alternatives(limits))
     if type_.no_values:
         parts.append("None: " + ", ".join(f"{n.name} (raw {formatting.no_value(n)})" for n in type_.no_values))
+    if type_.names:
+        parts.append("names: " + ", ".join(f"{m.name} (raw {m.value})" for m in type_.names))
     joined = "; ".join(parts)
     return sentence(plain(joined[:1].upper() + joined[1:]))
 

@@ -195,7 +195,9 @@ def _value(field: Field, value: Value | None, view: types.TypeView) -> str | Non
         return " | ".join(f"{view.enum}.{text.member_name(str(name))}" for name in value) or f"{view.enum}(0)"
     if isinstance(value, Fraction):
         return str(value.numerator) if value.denominator == 1 else repr(float(value))
-    return f"{view.enum}.{text.member_name(value)}" if value and field.type.enum and value != "none" else None
+    if value and field.type.enum and value != "none":
+        return f"{view.enum}.{text.member_name(value)}"
+    return text.literal(value) if value in [member.name for member in field.type.names] else None
 
 
 def parameter_argument(parameter: Parameter, given: Assignment) -> str:

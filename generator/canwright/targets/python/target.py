@@ -85,8 +85,9 @@ class PythonTarget(Target):
             yield type_.path, text.class_name(type_.name)
             key = "enum" if type_.enum else "flags"
             yield from (((*type_.path, key, m.name), text.member_name(m.name)) for m in (*type_.enum, *type_.flags))
-        for type_ in edition.types:
-            yield from (((*type_.path, "no_value", n.name), text.literal(n.name)) for n in type_.no_values)
+        for type_ in (number for number in edition.types if number.is_number):
+            for key, members in type_.members_by_key.items():
+                yield from (((*type_.path, key, member.name), text.literal(member.name)) for member in members)
         used = {setting for command in edition.commands for setting in command.limited_by}
         yield from ((("settings", s.name), f'"{s.name}"') for s in edition.settings if s in used)
         yield from ((("effects", effect.name), f'"{effect.name}"') for effect in edition.effects)

@@ -98,6 +98,8 @@ def _arguments(type_: Type, parameters: Mapping[str, Parameter], imports: Import
         arguments += [code.dict_of(limits, "limits="), f"limits_by={text.literal(text.attribute(span.parameter))}"]
     elif span.constant is not None:
         arguments.append(_limits(span.constant, imports, "limits="))
+    if type_.names:
+        arguments.append(code.dict_of((f"{text.literal(m.name)}: {m.value}" for m in type_.names), "names="))
     return arguments
 
 

@@ -42,7 +42,6 @@ class LuaTables(EditionTables):
             "flags": flags or None,
             "limits": _limits(type_),
             "no_values": no_values or None,
-            "names": [[self.integer(m.value, type_.width), m.name] for m in type_.names] or None,
         }
 
     def linear(self, linear: Linear) -> Value:

@@ -31,8 +31,8 @@ INPUT = pa.schema(
 
 
 def schema(decoder: Decoder, table: str) -> pa.Schema:
-    """The columns of a table. Metadata of a column: `unit`, and as JSON the names of codes, of bits, or of raw integers
-    without a value.
+    """The columns of a table. Metadata of a column: `unit`, and as JSON the names of codes, of bits, of numbers, or of raw
+    integers without a value.
 
     Raises ValueError for an unknown table, and for one whose columns depend on a parameter that is not given.
     """
@@ -64,7 +64,9 @@ def _field(column: Column) -> pa.Field:
     metadata = {}
     if field.type.unit and not column.is_raw:
         metadata["unit"] = field.type.unit
-    if field.type.names and not column.is_raw:
+    if field.type.is_named_number:
+        metadata["names"] = json.dumps(field.type.names)
+    elif field.type.names and not column.is_raw:
         metadata["flags" if field.type.is_flags else "enum"] = json.dumps(field.type.names)
     if field.type.no_values:
         metadata["no_value"] = json.dumps(field.type.no_values)

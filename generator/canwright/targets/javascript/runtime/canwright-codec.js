@@ -610,21 +610,30 @@ class Field {
 
   result(raw, value, parameters) {
     if (this.joined) {
-      return Object.freeze({ name: this.name, raw, value, unit: null, reason: value === null ? "out_of_range" : null, noValue: null });
+      return Object.freeze({ name: this.name, raw, value, unit: null, reason: value === null ? "out_of_range" : null, noValue: null, valueName: null });
     }
     const without = this.isArray ? raw[value.indexOf(null)] : value === null ? raw : undefined;
     const reason = without === undefined ? null : this.type.reason(without, parameters);
-    const names = [raw].flat().map((element) => this.type.noValue(element));
-    const noValue = this.isArray ? (names.some((name) => name !== null) ? Object.freeze(names) : null) : names[0];
-    return { name: this.name, raw, value, unit: this.type.unit ?? null, reason, noValue };
+    const noValue = this.named(raw, (element) => this.type.noValue(element));
+    const valueName = this.named(raw, (element) => this.type.valueName(element));
+    return { name: this.name, raw, value, unit: this.type.unit ?? null, reason, noValue, valueName };
+  }
+
+  /** The name of a raw integer, or those of all elements of an array; null without any. */
+  named(raw, nameOf) {
+    if (!this.isArray) {
+      return nameOf(raw);
+    }
+    const names = raw.map(nameOf);
+    return names.some((name) => name !== null) ? Object.freeze(names) : null;
   }
 
   /** What the field is, for tools: its bits and its type. */
   get description() {
     const { name, isArray, indices, only, fixed, isConstant, parameter, isChecksum, counter, type } = this;
     const elements = this.elements.map((element) => element.segments);
-    const { width, encoding, unit = null, enum: names = null, flags = null } = type;
-    const own = { width, encoding, unit, enum: names, flags, linear: type.linear, range: type.range, noValues: type.noValues ?? null };
+    const { width, encoding, unit = null, enum: members = null, flags = null, noValues = null, names = null } = type;
+    const own = { width, encoding, unit, enum: members, flags, linear: type.linear, range: type.range, noValues, names };
     return { name, elements, isArray, indices, only, fixed, isConstant, parameter, isChecksum, counter, type: own };
   }
 }

@@ -35,8 +35,11 @@ export class FieldType {
     this.isFloat = table.encoding === "float";
     this.isSigned = table.encoding === "signed";
     this.isWide = table.width > WIDEST_NUMBER;
-    this.names = table.enum && new Map(table.enum);
+    this.members = table.enum && new Map(table.enum);
     this.values = table.enum && new Map(table.enum.map(([value, name]) => [name, value]));
+    const ofNoValue = (table.noValues ?? []).map(([, last, name]) => [name, last]);
+    const ofNumbers = (table.names ?? []).map(([raw, name]) => [name, raw]);
+    this.named = ofNoValue.length + ofNumbers.length ? new Map([...ofNoValue, ...ofNumbers]) : null;
     const size = 1n << BigInt(table.width);
     this.size = this.integer(size);
     this.half = this.integer(size / 2n);
@@ -62,13 +65,18 @@ export class FieldType {
     return this.noValues?.find(([first, last]) => bits >= first && bits <= last)?.[2] ?? null;
   }
 
+  /** The name that a raw integer of a number has beside its value; null without one. */
+  valueName(raw) {
+    return this.names?.find(([named]) => named === raw)?.[1] ?? null;
+  }
+
   /** The value of a raw integer; null without one. */
   value(raw, parameters) {
     if (this.noValue(raw) !== null) {
       return null;
     }
-    if (this.names) {
-      return this.names.get(raw) ?? null;
+    if (this.members) {
+      return this.members.get(raw) ?? null;
     }
     if (this.bits) {
       return this.flagsOf(raw);
@@ -93,7 +101,7 @@ export class FieldType {
     if (this.noValue(raw) !== null) {
       return "no_value";
     }
-    const line = this.names ? null : this.line(parameters);
+    const line = this.members ? null : this.line(parameters);
     if (typeof line === "string") {
       return line;
     }
@@ -118,11 +126,11 @@ export class FieldType {
 
   /** The raw integer nearest to a value, ties away from zero. Throws CodecError if the value is rejected. */
   raw(value, parameters, field) {
-    if (this.names || this.bits) {
-      return this.check(this.named(value, field), parameters, field, JSON.stringify(value, (_, item) => (typeof item === "bigint" ? String(item) : item)));
+    if (this.members || this.bits) {
+      return this.check(this.ofMembers(value, field), parameters, field, JSON.stringify(value, (_, item) => (typeof item === "bigint" ? String(item) : item)));
     }
-    if (this.noValues && (value === null || typeof value === "string")) {
-      return this.ofName(value, field);
+    if (this.named && (typeof value === "string" || (this.noValues && value === null))) {
+      return this.check(this.ofName(value, field), parameters, field, JSON.stringify(value));
     }
     const line = this.line(parameters);
     if (typeof line === "string") {
@@ -152,13 +160,13 @@ export class FieldType {
     return this.check(raw, parameters, field, given);
   }
 
-  /** The raw integer that is written for a name without a value; null stands for the first one. */
+  /** The raw integer that is written for a name of a number; null stands for the first one without a value. */
   ofName(value, field) {
-    const named = value === null ? this.noValues[0] : this.noValues.find(([, , name]) => name === value);
-    if (!named) {
-      throw new CodecError("out_of_range", `${field} has no value ${JSON.stringify(value)}`, field);
+    const name = value ?? this.noValues[0][2];
+    if (!this.named.has(name)) {
+      throw new CodecError("out_of_range", `${field}=${JSON.stringify(name)} is no number and none of the names ${[...this.named.keys()].join(", ")}`, field);
     }
-    return named[1];
+    return this.named.get(name);
   }
 
   /** The number of an integer, which is rounded once. */
@@ -169,9 +177,9 @@ export class FieldType {
   }
 
   /** The raw integer of the name of an enum, of flags as names and integers, or of an integer. */
-  named(value, field) {
+  ofMembers(value, field) {
     const unknown = (name) => new CodecError("out_of_range", this.outOfRange(JSON.stringify(name), NO_PARAMETERS, field), field);
-    if (typeof value === "string" && this.names) {
+    if (typeof value === "string" && this.members) {
       if (!this.values.has(value)) {
         throw unknown(value);
       }
@@ -209,8 +217,8 @@ export class FieldType {
 
   /** The text of an error: the range in units, and that of raw integers. */
   outOfRange(given, parameters, field) {
-    if (this.names || this.bits) {
-      return `${field}=${given} is none of ${[...(this.names?.values() ?? this.bits.keys())].join(", ")}`;
+    if (this.members || this.bits) {
+      return `${field}=${given} is none of ${[...(this.members?.values() ?? this.bits.keys())].join(", ")}`;
     }
     const [low, high] = this.bounds(parameters);
     if (this.isFloat) {
@@ -241,8 +249,8 @@ export class FieldType {
     if (raw < this.low || raw > this.high) {
       return false;
     }
-    if (this.names) {
-      return this.names.has(this.integer(raw));
+    if (this.members) {
+      return this.members.has(this.integer(raw));
     }
     if (this.bits) {
       return (BigInt(raw) & ~this.mask) === 0n;

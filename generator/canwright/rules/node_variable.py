@@ -13,18 +13,18 @@ def check(subject: CheckInput) -> Findings:
     read: dict[str, Field] = {}
     for message in subject.edition.all_messages():
         for field in message.layout.fields:
-            if field.state is not None and not field.role.is_value:
+            if field.variable is not None and not field.role.is_value:
                 text = f"`{field.name}` is no value, so it neither reads nor writes a variable"
-                yield Finding((*field.path, "state"), text, "remove `state`")
+                yield Finding((*field.path, "variable"), text, "remove `variable`")
             elif message.direction is Direction.REPLY:
-                read.setdefault(field.state or field.name, field)
-            elif field.state is not None:
-                written.setdefault(field.state, field)
+                read.setdefault(field.variable or field.name, field)
+            elif field.variable is not None:
+                written.setdefault(field.variable, field)
     for name, field in written.items():
-        path = (*field.path, "state")
+        path = (*field.path, "variable")
         if name not in read:
             likely = near(name, read)
-            hint = f"did you mean `{likely}`?" if likely else "write `state` in a reply, too, or remove it here"
+            hint = f"did you mean `{likely}`?" if likely else "write `variable` in a reply, too, or remove it here"
             yield Finding(path, f"no reply reads `{name}`", hint)
         elif _kind(field) != _kind(read[name]):
             text = f"`{name}` is {_kind(field)} here, and {_kind(read[name])} where `{read[name].name}` reads it"
