@@ -47,7 +47,7 @@ ready.wait()
 
 PATIENT = r"\1, timeout=10"
 """A time-out that a busy machine keeps."""
-CLIENT = re.compile(r"(Client\(bus, (?:\[[^\n]*\]|nodes))")
+CLIENT = re.compile(r"(Client\(bus, \[[^\n]*\])")
 
 
 def programs(folder: Path) -> list[str]:
