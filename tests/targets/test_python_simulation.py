@@ -100,8 +100,8 @@ def test_a_client_moves_reads_and_writes(package: dict[str, ModuleType], buses: 
 
     class Motor(package["simulation"].Behaviour):  # type: ignore[misc]
         def command(self, node: Any, request: Any) -> bool:
+            done.append(request.COMMAND)
             if isinstance(request, new.SetTorqueRequest):
-                done.append(request.COMMAND)
                 node.values["iq"] = request.iq
             return True
 
@@ -120,8 +120,9 @@ def test_a_client_moves_reads_and_writes(package: dict[str, ModuleType], buses: 
         assert simulation[2].values["control_parameters.max_speed"] == 500
         client.request(new.MotorOffRequest(node=1))
         assert client.request(nodes[0].make(new.SetTorqueRequest, iq=9)).iq == pytest.approx(2.5, abs=66 / 4096)
+        client.request(nodes[0].make(new.MoveByAngleRequest, increment=90))  # an increment that is not executed is none
         assert client.request(new.ReadStatus1Request(node=1)).motor_state is new.MotorState.OFF
-        assert done == ["set_torque"]
+        assert done.count("set_torque") == 1 and "move_by_angle" not in done
         simulation[1].values["iq"] = 1000  # more than the field can have
         assert client.request(nodes[0].make(new.SetTorqueRequest, iq=0)).raw()["iq"] == 32767
     assert simulation.received == simulation.answered

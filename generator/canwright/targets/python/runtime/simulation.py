@@ -37,7 +37,7 @@ class Behaviour:
     def command(self, node: SimulatedNode, request: Request[Any]) -> bool:
         """Executes a request, after its values are stored and before it is answered. False if the node does not answer.
 
-        It is not called for a request without effect, because of the state of the node.
+        It is not called for a request with an effect that the state of the node prevents.
         """
         return True
 
@@ -69,10 +69,10 @@ class Faults:
 
 
 class SimulatedNode:
-    """One node, without a bus: `answer` returns its replies to a frame.
+    """One node, without a bus: `answer` returns its replies to a request.
 
-    `values` are its variables: those that the specification names, the fields of table entries as `TABLE.ENTRY.FIELD`, and
-    all other fields of replies by their names. A value is in the unit of the field, or the raw integer where it has none.
+    `values` are its variables: those that the specification names, table entries as `TABLE.ENTRY`, or `TABLE.ENTRY.FIELD` if
+    they have several fields, and all other fields of replies by their names. A value is in the unit of the field, or the raw integer where it has none.
     `state` is one of the states of the edition.
     """
 
@@ -111,8 +111,7 @@ class SimulatedNode:
         """Executes a request, and returns the replies; none, with a warning, if the parameters of the node do not suffice."""
         states = self.node.edition.client_facts.states
         prevented = states[self.state][1] if self.state else ()
-        effects = effects_of(request)
-        if not (effects and set(effects) <= set(prevented)):
+        if not any(effect in prevented for effect in effects_of(request)):
             self._store(request)
             for state, (entering, _, _) in states.items():
                 if type(request) in entering:
