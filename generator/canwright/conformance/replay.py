@@ -27,10 +27,9 @@ def replay(target: str, item: EditionInput, frames: GoldenFrames, workdir: Path)
         if compiler is None:
             raise MissingToolError("no C compiler found; install gcc or clang, or run: pip install ziglang")
         return c_selftest.replay(item, frames, compiler, workdir)
+    kind = _adapter(target)
     try:
-        adapter = _adapter(target).create(item, workdir)
-    except MissingToolError:
-        raise
+        adapter = kind.create(item, workdir)
     except Exception as error:  # of generated code
         report = Report(target, f"{item.edition.family} {item.edition.name}")
         report.failures.append(Failure(target, "load", None, f"raises {type(error).__name__}: {error}"))

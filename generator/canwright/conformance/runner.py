@@ -138,12 +138,12 @@ class Runner:
             return f"node {answer.node}, not {node}"
         if dict(answer.raw) != dict(frame.raw):
             return f"raw {_shown(answer.raw)}, not {_shown(frame.raw)}"
+        types = {field.name: field.type for field in message.layout.fields}
         for name, wanted in frame.values.items():
             got = answer.values.get(name)
             raw = frame.raw[name]
             one_ulp = 2.0**-52 if isinstance(raw, int) and abs(raw) > 1 << 53 else 0.0
-            fields = {field.name: field for field in message.layout.fields}
-            wanted = as_number(fields[name].type, wanted, raw, assignment(frame.parameters))
+            wanted = as_number(types[name], wanted, raw, assignment(frame.parameters))
             if not self._same(wanted, got, max(one_ulp, self._adapter.tolerance)):
                 return f"{name} is {_shown(got)}, not {_shown(wanted)}"
         return ""
