@@ -1240,17 +1240,12 @@ class Message:
 
     def _places(self) -> tuple[str | None, ...]:
         """The field of each raw integer under the parameters. Raises CodecError (missing_parameter)."""
-        if not self.VARIANT_BY:
-            return tuple(self.TYPES)
-        return self.VARIANTS[self._variant()]
+        return places(type(self), self._parameters)
 
     def _in_order_of_checks(self) -> list[str]:
         """Names of the fields that exist, in the order of the specification, so that every language rejects the same field."""
         there = self.fields()
         return [name for name in self.TYPES if name in there]
-
-    def _variant(self) -> int:
-        return self.VARIANT_OF[known(self._parameters, self.VARIANT_BY, None, type(self).__name__)]
 
     def _known_node(self, node: int | None) -> int | None:
         """The node itself. Raises CodecError (unknown_node), and TypeError where the id has no node."""
@@ -1319,6 +1314,13 @@ class Message:
     def __hash__(self) -> int:
         # equal messages have equal hashes, whatever their parameters are
         return hash((type(self), self._node, self._code, self._raws))
+
+
+def places(kind: type[Message], parameters: Any) -> tuple[str | None, ...]:
+    """The field of each raw integer of a class under the parameters. Raises CodecError (missing_parameter)."""
+    if not kind.VARIANT_BY:
+        return tuple(kind.TYPES)
+    return kind.VARIANTS[kind.VARIANT_OF[known(parameters, kind.VARIANT_BY, None, kind.__name__)]]
 
 
 id_node: Callable[[Message], int | None] = attrgetter("_node")

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import can
 
-from ._codec import ArrayType, CodecError, FieldType, Message, Refusal, Request, known
+from ._codec import ArrayType, CodecError, FieldType, Message, Refusal, Request, places
 from .client import effects_of
 from .nodes import Node, Numbering
 from .python_can import from_message, to_message
@@ -145,7 +145,8 @@ class SimulatedNode:
 
     def _reply(self, kind: type[Message], request: Request[Any] | None) -> Message:
         parameters = self.node.parameters
-        raws = {name: self._raw(kind, name, parameters, request) for name in _fields(kind, parameters)}
+        names = (name for name in places(kind, parameters) if name is not None)
+        raws = {name: self._raw(kind, name, parameters, request) for name in names}
         if kind.NODE_FIELD:
             raws[kind.NODE_FIELD] = self.node.node & kind.NODE_MASK
         return kind.from_raw(node=self.node.node if hasattr(kind, "NODES") else None, parameters=parameters, **raws)
@@ -160,14 +161,6 @@ class SimulatedNode:
             return request.raw()[name]
         raw = _valid(type_, kind.PLAUSIBLE.get(name, 0), parameters, name)
         return (raw,) * type_.count if isinstance(type_, ArrayType) else raw
-
-
-def _fields(kind: type[Message], parameters: Any) -> Iterable[str]:
-    """The fields of a class that exist under the parameters. Raises CodecError (missing_parameter)."""
-    if not kind.VARIANT_BY:
-        return kind.TYPES
-    variant = kind.VARIANT_OF[known(parameters, kind.VARIANT_BY, None, kind.__name__)]
-    return [name for name in kind.VARIANTS[variant] if name is not None]
 
 
 def _value(message: Message, name: str) -> Any:
