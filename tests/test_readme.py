@@ -138,7 +138,12 @@ def test_cantools_decodes_the_frame_of_the_readme() -> None:
     given = frame.removeprefix("echo '").removesuffix("'")
     program, *arguments = command.split()
     done = subprocess.run(
-        [sys.executable, "-m", program, *arguments], input=given, cwd=ROOT, capture_output=True, text=True, check=True
+        [sys.executable, "-m", Path(program).name, *arguments],
+        input=given,
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert done.stdout.strip() == printed("dbc").strip()
 

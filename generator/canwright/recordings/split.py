@@ -11,7 +11,6 @@ from ..model.formatting import sent
 from ..model.message import Direction
 from ..semantics.frame import CanFrame
 from .exports import seconds
-from .packages import require
 from .rows import Row
 
 FORMATS = (".asc", ".blf", ".log")
@@ -25,15 +24,11 @@ _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct",
 
 
 class SplitLog:
-    """Writes frames to a log with three channels for each bus. `buses` has the first channel of each, counted from 1.
-
-    Raises MissingPackageError.
-    """
+    """Writes frames to a log with three channels for each bus. `buses` has the first channel of each, counted from 1."""
 
     def __init__(self, path: Path, form: str) -> None:
         self.buses: dict[str, int] = {}
         if form == ".blf":
-            require("can", "python-can", "BLF")
             binary = path.open("wb")
             self._file: IO[Any] = binary
             self._write, self._end = _blf(binary)

@@ -246,7 +246,7 @@ def _values(
         if not _same(wanted, _as_written(fields[name].type, wanted, in_data[name], value)):
             unknown = unknown_name(fields[name], wanted, ("none", *SPECIAL)) if fields[name].type.members else None
             is_raw = wanted == in_data[name]
-            said = unknown or _other_value(fields[name], is_raw, value, assignment)
+            said = unknown or _other_value(fields[name], wanted, is_raw, value, assignment)
             problems.append((("values", name), *said))
     return problems
 
@@ -272,7 +272,9 @@ def _listed(names: Mapping[str, object]) -> str:
     return ", ".join(f"`{name}`" for name in names) or "none"
 
 
-def _other_value(field: Field, is_raw: bool, value: Value | list[Value], assignment: Assignment) -> tuple[str, str]:
+def _other_value(
+    field: Field, wanted: object, is_raw: bool, value: Value | list[Value], assignment: Assignment
+) -> tuple[str, str]:
     """The text and hint for a value that differs from that of the spec; it may be the raw integer."""
     type_, none = field.type, (None, [None] * len(field.elements))
     missing = [name for name in (type_.linear.parameter, *type_.times) if name and name not in assignment]
@@ -283,7 +285,19 @@ def _other_value(field: Field, is_raw: bool, value: Value | list[Value], assignm
     hint = f"check the value and the type in the spec{_where(field)}"
     if is_raw:
         hint = f"this is the raw integer; `values` has the value{_unit(field)}"
+    elif _is_rounded(wanted, value):
+        hint = f"if the manual rounds it, write {_shown(value)}; otherwise {hint}"
     return f"`{field.name}` is {_shown(value)} according to the {by} in the spec", hint
+
+
+def _is_rounded(wanted: object, value: object) -> bool:
+    """Whether numbers may be the exact ones, rounded or cut to fewer decimals."""
+    if isinstance(wanted, list) and isinstance(value, list):
+        return len(wanted) == len(value) and all(map(_is_rounded, wanted, value))
+    if not isinstance(wanted, (int, Fraction)) or not isinstance(value, (int, Fraction)):
+        return False
+    decimals = formatting.exact(Fraction(wanted)).partition(".")[2]
+    return abs(Fraction(value) - Fraction(wanted)) < Fraction(1, 10 ** len(decimals))
 
 
 def _where(field: Field) -> str:
