@@ -119,7 +119,9 @@ def _settings(edition: Edition, reads: Iterable[Command]) -> Iterator[tuple[Mess
     writes: dict[str, list[tuple[str, Message, set[str]]]] = {}
     for command in edition.commands:
         kept = [effect.kept for effect in command.effects if effect.kept]
-        stores_only = all(effect.kept or effect.consent in (Consent.WEAR, Consent.CONTACT) for effect in command.effects)
+        stores_only = all(
+            effect.kept or effect.consent in (Consent.WEAR, Consent.CONTACT) for effect in command.effects
+        )
         if kept and stores_only and command.request and command.reply and command.implemented:
             written = _variables(command, command.request)
             values = varying(command.request.layout.fields)
@@ -128,12 +130,12 @@ def _settings(edition: Edition, reads: Iterable[Command]) -> Iterator[tuple[Mess
                 writes.setdefault(next(iter(written.values())), []).append(write)
     for read in reads:
         readable = [*_variables(read, read.replies[0].message).values()]
-        found: dict[str, Message] = {}
+        requests: dict[str, Message] = {}
         for how, request, variables in (write for name in readable for write in writes.get(name, ())):
             if variables.issubset(readable):
-                found.setdefault(how, request)
-        if found and read.request:
-            yield read.request, found
+                requests.setdefault(how, request)
+        if requests and read.request:
+            yield read.request, requests
 
 
 def _entering(edition: Edition, state: State) -> Iterator[Message]:

@@ -502,8 +502,8 @@ class ClientCore:
 
     def _dump_steps(self, number: int | None) -> Steps[dict[str, Any]]:
         node = self._known(number)
-        found = yield from self._read_steps(node, node.edition.client_facts.settings)
-        return {name: value for values in found.values() for name, value in values.items()}
+        settings = yield from self._read_steps(node, node.edition.client_facts.settings)
+        return {name: value for values in settings.values() for name, value in values.items()}
 
     def _read_steps(
         self, node: Node[Any, Any], reads: Iterable[type[Request[Any]]]
