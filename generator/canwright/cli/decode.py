@@ -37,7 +37,7 @@ from . import INTERRUPTED
 from .common import FINDINGS, FilePath, read, spec_option, stop
 from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
-from .node_settings import bus_of, differences_option, direction_of, recorder_option
+from .node_settings import bus_of, differences_option, direction_of, recorder_option, split_option
 from .terminal import print_data, print_text, progress
 
 BLOCK = 500
@@ -145,6 +145,7 @@ class Outputs(NamedTuple):
     "--follow", "followed", is_flag=True, help="Wait for more lines at the end of the file, until Ctrl-C ends the log."
 )
 @differences_option
+@split_option
 @recorder_option
 def decode(
     log: str | CanFrame,
@@ -159,6 +160,7 @@ def decode(
     window: float | None,
     followed: bool,
     has_differences: bool,
+    is_split: bool,
     recorder: str,
 ) -> None:
     """Decode a log, or explain one frame.
@@ -192,7 +194,7 @@ def decode(
     _check(outputs)
     _check_paths(log, outputs)
     try:
-        with open_log(log, is_followed=followed, has_differences=has_differences) as recording:
+        with open_log(log, is_followed=followed, has_differences=has_differences, is_split=is_split) as recording:
             _decode(recording, editions, set_, outputs, window, direction_of(recorder))
     except (LogError, MissingPackageError, OSError) as error:
         if isinstance(error, BrokenPipeError):  # of the standard output
@@ -319,7 +321,7 @@ def _print(
 def _identified(log: Log, editions: Sequence[Edition], recorder: Direction) -> Identifier:
     """All frames of a log in a file, with the editions that they fit."""
     identifiers = Identifiers(editions, recorder)
-    again = open_log(log.name, has_differences=log.has_differences)
+    again = open_log(log.name, has_differences=log.has_differences, is_split=log.is_split)
     with again as frames, progress("frames", shown=True) as advance:
         for number, frame in enumerate(frames):
             identifiers.add(frame)
@@ -391,12 +393,17 @@ def _write(
         if plot and picture and outputs.plot:
             remarks += [f"{outputs.plot}: no frame has a field {name}" for name in plot.missing]
             plot.save(picture, outputs.plot.suffix)
-    for bus, first in split.buses.items() if split else ():
-        name = f"of {bus_name(bus)} " if bus else ""
-        remarks.append(
-            f"{outputs.split}: requests {name}on channel {first}, replies on {first + 1}, others on {first + 2}"
-        )
+    if split:
+        remarks += _channels(split, outputs)
     return remarks
+
+
+def _channels(split: split_logs.SplitLog, outputs: Outputs) -> Iterator[str]:
+    """Remarks on the channels of a split log."""
+    for bus, first in split.buses.items():
+        name = f"of {bus_name(bus)} " if bus else ""
+        yield f"{outputs.split}: requests {name}on channel {first}, replies on {first + 1}, others on {first + 2}"
+    yield f"`canwright decode --from-split {outputs.split}` reads them again"
 
 
 def _emitter(outputs: Outputs, stack: contextlib.ExitStack) -> Callable[[str], object]:

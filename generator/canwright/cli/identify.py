@@ -20,7 +20,7 @@ from ..recordings.results import EditionScore, Evidence, Identification, NodeRes
 from ..semantics.configured import configured
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import at_frame, node_names
-from .node_settings import differences_option, direction_of, recorder_option
+from .node_settings import differences_option, direction_of, recorder_option, split_option
 from .settings import assignment
 from .terminal import print_json, print_text
 
@@ -40,9 +40,16 @@ SHOWN = 4
     help="A parameter in ids or constants, of all nodes.",
 )
 @differences_option
+@split_option
 @recorder_option
 def identify(
-    log: str, specs: Sequence[Path], form: str, settings: Sequence[str], has_differences: bool, recorder: str
+    log: str,
+    specs: Sequence[Path],
+    form: str,
+    settings: Sequence[str],
+    has_differences: bool,
+    is_split: bool,
+    recorder: str,
 ) -> None:
     """Show which editions a recorded exchange fits, and why.
 
@@ -59,7 +66,7 @@ def identify(
     editions = [configured(item.edition, known) for item in specifications]
     identifiers = Identifiers(editions, direction_of(recorder))
     try:
-        with open_log(log, has_differences=has_differences) as read_log:
+        with open_log(log, has_differences=has_differences, is_split=is_split) as read_log:
             for frame in read_log:
                 identifiers.add(frame)
     except (LogError, OSError) as error:

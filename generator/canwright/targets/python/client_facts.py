@@ -10,7 +10,7 @@ from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, EchoReply, Message
-from ...model.metadata import Repeat, State
+from ...model.metadata import Consent, Repeat, State
 from ...semantics.decoder import Decoder, Rejection
 from ...semantics.encoder import Encoder
 from . import code, text
@@ -23,6 +23,7 @@ class ClientFactsView:
 
     effects: code.Code
     reads: code.Code
+    settings: code.Code
     ends_motion: code.Code
     states: code.Code
     cyclic: code.Code
@@ -37,6 +38,7 @@ def view(edition: Edition) -> ClientFactsView:
                 text.literal(formatting.english(effect.title)),
                 text.literal(effect.consent.value),
                 str(effect.repeat is Repeat.SAME),
+                text.literal(effect.kept.value if effect.kept else ""),
             ),
             f"{text.literal(effect.name)}: ",
         )
@@ -51,6 +53,14 @@ def view(edition: Edition) -> ClientFactsView:
     return ClientFactsView(
         effects=code.dict_of(effects),
         reads=code.tuple_of(text.class_name(c.request.name) for c in reads if c.request),
+        settings=code.dict_of(
+            code.dict_of(
+                (f"{text.literal(kept)}: {text.class_name(write.name)}" for kept, write in writes.items()),
+                f"{text.class_name(c.request.name)}: ",
+            )
+            for c in reads
+            if c.request and (writes := _writes(edition, c))
+        ),
         ends_motion=code.dict_of(f"{text.literal(kind)}: {text.class_name(m.name)}" for kind, m in ends.items()),
         states=code.dict_of(
             code.tuple_of(
@@ -102,6 +112,24 @@ def class_attributes(edition: Edition, command: Command) -> Iterator[code.Code]:
             yield "DIFFERS = True"
     if command.reply_within_ms is not None:
         yield f"REPLY_WITHIN_MS = {float(command.reply_within_ms)!r}"
+
+
+def _writes(edition: Edition, read: Command) -> dict[str, Message]:
+    """The requests that write what a command reads and do nothing else, by how long the node keeps it."""
+    readable = {variable for reply in read.replies for variable in _variables(read, reply.message).values()}
+    writes: dict[str, Message] = {}
+    for command in edition.commands:
+        kept = [effect.kept for effect in command.effects if effect.kept]
+        stores_only = all(
+            effect.kept or effect.consent in (Consent.WEAR, Consent.CONTACT) for effect in command.effects
+        )
+        if not kept or not stores_only or command.request is None or command.reply is None or not command.implemented:
+            continue
+        values = varying(command.request.layout.fields)
+        written = _variables(command, command.request)
+        if values and all(written.get(field) in readable for field in values):
+            writes.setdefault(kept[0].value, command.request)
+    return writes
 
 
 def _entering(edition: Edition, state: State) -> Iterator[Message]:
