@@ -256,6 +256,12 @@ def test_messages_without_a_golden_frame_are_listed_in_one_warning(tmp_path: Pat
     )
 
 
+IN_DATA = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", "id: 0x101").replace(
+    "{level: {at: 2, type: level}}", "{lamp: {at: 1, raw: u8, holds: node}, level: {at: 2, type: level}}"
+)
+"""A spec whose node is a field."""
+
+
 @pytest.mark.parametrize(
     ("entry", "messages"),
     [
@@ -267,8 +273,12 @@ def test_messages_without_a_golden_frame_are_listed_in_one_warning(tmp_path: Pat
     ],
 )
 def test_the_node_of_a_golden_frame_may_be_a_field(tmp_path: Path, entry: str, messages: list[str]) -> None:
-    spec = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", "id: 0x101")
-    spec = spec.replace(
-        "{level: {at: 2, type: level}}", "{lamp: {at: 1, raw: u8, holds: node}, level: {at: 2, type: level}}"
-    )
-    assert contradictions(tmp_path, spec, entry) == messages
+    assert contradictions(tmp_path, IN_DATA, entry) == messages
+
+
+def test_a_node_that_differs_from_the_field_is_corrected(tmp_path: Path) -> None:
+    assert contradictions(tmp_path, IN_DATA, "node: 2, raw: {level: 7}")
+    with pytest.raises(SpecError) as refused:
+        load(tmp_path / "v1.yaml")
+    hints = [finding.hint for finding in refused.value.diagnostics if finding.severity is Severity.ERROR]
+    assert hints == ["this field contains the node: write `node: 0`, or check `data`"]
