@@ -112,7 +112,8 @@ def differences(settings: Mapping[str, Any], others: Mapping[str, Any]) -> dict[
 
 def variables_of(message: Message) -> dict[str, Any]:
     """The values of a message, by the variables of the node that they are. Raises CodecError without a parameter."""
-    names, values = message.no_values(), {}
+    names = message.no_values()
+    values: dict[str, Any] = {}
     for field in message.fields():
         value = getattr(message, field)
         values[message.VARIABLES.get(field, field)] = names.get(field) if value is None else value
