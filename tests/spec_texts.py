@@ -42,7 +42,7 @@ commands:
 NAMED = frozenset(
     (
         *("addresses", "parameters", "settings", "effects", "states", "modes", "types", "layouts", "tables", "entries"),
-        *("commands", "fields", "layout", "request", "reply", "enum", "flags", "no_value", "values"),
+        *("commands", "fields", "layout", "request", "reply", "enum", "flags", "no_value", "values", "neighbours"),
         *("scale", "offset", "range", "raw_range"),
     )
 )

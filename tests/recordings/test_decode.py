@@ -252,6 +252,47 @@ def test_a_split_log_of_times_before_the_epoch_is_read_again(suffix: str) -> Non
     assert [round(time * 1_000_000 - start) for time in times] == since
 
 
+NEIGHBOURS = """
+bus:
+  neighbours:
+    pumps: {ids: 0x181..0x183, title: Pumps, about: They reply to lamps.}
+    far: {ids: 0x12345}
+"""
+
+
+def test_ids_of_neighbours_get_the_sentence_of_the_spec() -> None:
+    """In the summary, in `identify` and of a single frame; an id of 29 bits is not one of 11 bits."""
+    Path("lamp.yaml").write_text(MINIMAL + NEIGHBOURS, "utf-8")
+    lines = [
+        f"(1.{n}) can0 {id_}#1000640000000000\n" for n, id_ in enumerate(("181", "00000182", "183", "00012345", "184"))
+    ]
+    text = decode("".join(lines), "--spec", "lamp.yaml").output
+    stated = ["  0x181, 0x183: Pumps. They reply to lamps.\n", "  0x00012345: Far\n"]
+    for sentence in stated:
+        assert sentence in text
+    assert "0x00000182:" not in text
+    assert "0x184:" not in text
+    result = CliRunner().invoke(main, ["identify", "bus.log", "--spec", "lamp.yaml"])
+    for sentence in stated:
+        assert sentence in result.output
+    assert "\n0x183: Pumps. They reply to lamps.\n" in run("183#10", "--spec", "lamp.yaml", status=1).output
+    assert "Pumps" not in run("184#10", "--spec", "lamp.yaml", status=1).output
+
+
+@pytest.mark.parametrize(
+    ("ids", "message"),
+    [
+        ("0x20000000", "is not an id or a range of them; write, for example, 0x300 or 0x241..0x260"),
+        ("-1", "is not an id or a range of them"),
+        ("nan", "is not an id or a range of them"),
+        ("0x260..0x241", "is empty"),
+    ],
+)
+def test_ids_of_neighbours_exist(ids: str, message: str) -> None:
+    Path("lamp.yaml").write_text(MINIMAL + NEIGHBOURS.replace("0x12345", ids), "utf-8")
+    assert message in decode(MIXED, "--spec", "lamp.yaml", status=1).output
+
+
 def split_rows(log: str, suffix: str, *options: str) -> tuple[list[dict[str, object]], list[dict[str, object]]]:
     """The rows of a log, and of the file that it is split into; times are since the first, ASC and BLF lack its date."""
     results: list[list[dict[str, object]]] = []

@@ -27,7 +27,7 @@ family: lamp
 edition: v1
 date: "2023-03"
 languages: [en, zh]
-bus: {modes: {usual: {bit_rates_kbps: [500], default_kbps: 500}, broadcast: {bit_rates_kbps: [1000]}}, max_nodes: 4, answers: in_order}
+bus: {modes: {usual: {bit_rates_kbps: [500], default_kbps: 500}, broadcast: {bit_rates_kbps: [1000]}}, max_nodes: 4, answers: in_order, neighbours: {pump: {ids: 0x500..0x51F}}}
 addresses:
   lamp: {id: 0x100 + node, nodes: 1..4}
   all: {id: 0x200}

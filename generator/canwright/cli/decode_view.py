@@ -14,6 +14,7 @@ from ..recordings.effects import NodeEffects
 from ..recordings.explain import meanings
 from ..recordings.exports import bus_name, milliseconds, seconds
 from ..recordings.log_frame import Counts, SkippedPart
+from ..recordings.neighbours import neighbours
 from ..recordings.nodes import Choice, Nodes
 from ..recordings.periods import Periods
 from ..recordings.results import Place
@@ -253,6 +254,7 @@ def _foreign(summary: Summary, nodes: Nodes) -> Iterator[str]:
         ids = ", ".join(f"{bus_id(*id_)} ({count})" for id_, count in summary.foreign.most_common(SHOWN))
         more = ", ..." if len(summary.foreign) > SHOWN else ""
         yield f"{counted(foreign, 'frame')} with foreign ids: {ids}{more}"
+    yield from (f"  {line}" for line in neighbours(nodes.family, summary.foreign))
     for id_, _ in summary.foreign.most_common(SHOWN):
         frame = summary.foreign_examples[id_]
         every = [m for edition in nodes.family for m in meanings(edition, frame, {})]

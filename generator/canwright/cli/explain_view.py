@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from ..model.edition import Edition
 from ..model.formatting import sent
@@ -10,13 +10,14 @@ from ..model.message import Direction
 from ..model.types import Assignment
 from ..recordings.explain import FieldMeaning, Meaning, meanings
 from ..recordings.golden_text import golden_text
+from ..recordings.neighbours import neighbours
 from ..semantics.frame import CanFrame
 from .decode_view import value_text
 
 _COLUMNS = ("field", "position", "raw", "value")
 
 
-def explanation(editions: Iterable[Edition], frame: CanFrame, assignment: Assignment) -> tuple[str, bool]:
+def explanation(editions: Sequence[Edition], frame: CanFrame, assignment: Assignment) -> tuple[str, bool]:
     """All meanings of a frame, those of several editions once, and whether one of them has nothing unusual."""
     is_usual = False
     named: dict[str, list[Edition]] = {}
@@ -35,10 +36,12 @@ def explanation(editions: Iterable[Edition], frame: CanFrame, assignment: Assign
     if refused:
         lines.append("\n")
     lines += [f"{text}\n  in {edition_names(having)}\n" for text, having in refused.items()]
+    stated = list(neighbours(editions, [(frame.id, frame.extended, frame.remote)]))
+    lines += ["\n", *(f"{line}\n" for line in stated)] if stated else []
     return "".join(lines), is_usual
 
 
-def golden_entries(editions: Iterable[Edition], frame: CanFrame, assignment: Assignment) -> str:
+def golden_entries(editions: Sequence[Edition], frame: CanFrame, assignment: Assignment) -> str:
     """All meanings of a frame as golden frames; empty if it has none under these parameters."""
     having_text: dict[str, list[Edition]] = {}
     for edition in editions:

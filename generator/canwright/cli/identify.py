@@ -14,6 +14,7 @@ from ..model.formatting import bus_id, counted, sent
 from ..recordings.exports import bus_name
 from ..recordings.grouping import groups
 from ..recordings.log_frame import Counts
+from ..recordings.neighbours import neighbours
 from ..recordings.nodes import Identifiers
 from ..recordings.readers import LogError, open_log
 from ..recordings.results import EditionScore, Evidence, Identification, NodeResult
@@ -72,24 +73,27 @@ def identify(
     except (LogError, OSError) as error:
         stop(str(error))
     identification = identifiers.best.result()
-    family = identifiers.best.editions[0].family
+    own = identifiers.best.editions
+    family = own[0].family
     if form == "json":
         print_json(_facts(family, identification, read_log.counts))
     else:
-        _text(family, identification, read_log.counts)
+        _text(own, identification, read_log.counts)
     if not identification.is_complete:
         sys.exit(FINDINGS)
 
 
-def _text(family: str, identification: Identification, counts: Counts) -> None:
+def _text(editions: Sequence[Edition], identification: Identification, counts: Counts) -> None:
+    family = editions[0].family
     if counts.skipped:
         parts = ", ".join(f"{part.value} ({count})" for part, count in counts.skipped.items())
         print_text(f"skipped: {parts}\n\n")
     if identification.foreign:
         ids = _some([bus_id(*id_) for id_ in identification.foreign_ids])
         print_text(
-            f"{identification.foreign} of {identification.frames} frames are ignored, since their ids do not belong to {family}: {ids}\n\n"
+            f"{identification.foreign} of {identification.frames} frames are ignored, since their ids do not belong to {family}: {ids}\n"
         )
+        print_text("".join(f"  {line}\n" for line in neighbours(editions, identification.foreign_ids)) + "\n")
     has_buses = len({result.bus for result in identification.nodes}) > 1
     for group in sorted(groups(identification.nodes), key=lambda group: _rank(group.result)):
         result = group.result

@@ -301,6 +301,13 @@ _DOC = (
     ("state-removed", "A state is removed.", "the state `{name}` is removed"),
     ("setting-added", "A setting is added.", "the setting `{name}` is added"),
     ("setting-removed", "A setting is removed.", "the setting `{name}` is removed"),
+    ("neighbour-added", "Other ids on the bus are added.", "the neighbour `{name}` of the bus is added"),
+    ("neighbour-removed", "Other ids on the bus are removed.", "the neighbour `{name}` of the bus is removed"),
+    (
+        "neighbour-ids-changed",
+        "A neighbour of the bus has different ids.",
+        "the ids of the neighbour `{name}` of the bus are `{new}` (were `{old}`)",
+    ),
     ("erratum-added", "An erratum is added.", "the erratum `{name}` is added: {used}"),
     ("erratum-removed", "An erratum is removed.", "the erratum `{name}` is removed"),
     (

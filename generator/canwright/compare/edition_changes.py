@@ -11,7 +11,7 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Address, Direction, IdRule
-from ..model.metadata import Bus, Consent, Effect, Erratum, Mode, Repeat, Setting, State
+from ..model.metadata import Bus, Consent, Effect, Erratum, Mode, Neighbour, Repeat, Setting, State
 from ..model.types import Parameter, Text
 from .change import Impact, Item, Keyword, SentenceArgument, Side
 from .collector import (
@@ -79,6 +79,7 @@ _ANSWERS = Attribute[Bus](
     impact=lambda _, new: Impact.SAFE if new.answers_in_order else Impact.SILENT,
 )
 _OF_MODE = (Attribute[Mode]("bit-rates-changed", "bit_rates_kbps", _rates, impact=_fewer_rates),)
+_OF_NEIGHBOUR = (Attribute[Neighbour]("neighbour-ids-changed", "ids", lambda n: formatting.id_range(n.ids)),)
 
 
 def _more_consent(_: Effect, new: Effect) -> Impact:
@@ -208,6 +209,8 @@ def _bus(collector: Collector, old: Bus, new: Bus) -> None:
     bus.section(old.manual, new.manual)
     modes = by_name(old.modes, new.modes)
     _items(collector, "mode", ("bus", "modes"), modes, _OF_MODE, BOTH_SIDES, (BOTH_SIDES, Impact.LOUD))
+    neighbours = by_name(old.neighbours, new.neighbours)
+    _items(collector, "neighbour", ("bus", "neighbours"), neighbours, _OF_NEIGHBOUR)
     bus.used(*BOTH_SIDES).attributes([_FRAME_FORMAT], old, new)
     bus.attributes(_OF_BUS, old, new)
     bus.used(Side.SENDING).attributes([_ANSWERS], old, new)

@@ -31,6 +31,7 @@ from .notation import IdExpression
 from .scalar_types import (
     EditionName,
     EditionText as EditionText,
+    Ids,
     IdText,
     Language as Language,
     Name as Name,
@@ -119,6 +120,22 @@ class ModeSpec(Description):
 
 
 @dataclass(frozen=True, kw_only=True)
+class NeighbourSpec(Description):
+    """Ids of this bus that are not of this protocol, such as those of similar products."""
+
+    called = "a neighbour of `bus`"
+    example = {"ids": "0x241..0x260", "title": "Another vendor's lamps"}
+
+    ids: Annotated[
+        Ids,
+        Doc(
+            "The ids: of 11 bits up to 0x7FF, of 29 bits above. Frames of this protocol are none of them.",
+            examples=("0x241..0x260",),
+        ),
+    ]
+
+
+@dataclass(frozen=True, kw_only=True)
 class BusSpec(Concept):
     """The settings that host and nodes have in common."""
 
@@ -150,6 +167,10 @@ class BusSpec(Concept):
     ] = None
     modes: Annotated[
         dict[Annotated[Name, Defines("mode")], ModeSpec], Doc("Modes of the bus; the first is the default.")
+    ] = field(default_factory=dict)
+    neighbours: Annotated[
+        dict[Annotated[Name, Defines("neighbour")], NeighbourSpec],
+        Doc("Other ids that users meet on such a bus, by name: `decode` and `identify` explain their frames."),
     ] = field(default_factory=dict)
     manual: Annotated[Section | None, Doc("Section of the manual.")] = None
 

@@ -173,6 +173,14 @@ def raw_integers(text: str) -> range | Literal["nan"]:
     return range(low, high + 1)
 
 
+def ids(text: str) -> range:
+    """An id `0x300`, or a range of them with both ends `0x241..0x260`."""
+    parsed = raw_integers(text)
+    if parsed == "nan" or not 0 <= parsed[0] <= parsed[-1] <= LAST_ID:
+        raise ValueError(f"`{text}` is not an id or a range of them; write, for example, 0x300 or 0x241..0x260")
+    return parsed
+
+
 def _bound(text: str) -> Bound:
     match = re.fullmatch(rf"{_RATIONAL}|({_MULTIPLE})({_SUMMAND})?", text)
     if match is None:

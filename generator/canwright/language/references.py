@@ -16,6 +16,7 @@ MAX_USES = 3
 _SECTIONS: Mapping[str, str] = {
     **{kind: f"{kind}s" for kind in ("type", "layout", "table", "parameter", "setting", "effect")},
     "mode": "bus.modes",
+    "neighbour": "bus.neighbours",
 }
 """Where a kind is defined, if a new definition of it may be what is missing."""
 

@@ -71,6 +71,14 @@ RawIntegers = Annotated[
         },
     ),
 ]
+Ids = Annotated[
+    range,
+    _written(
+        notation.ids,
+        "0x300 or 0x241..0x260",
+        _number_or(notation.RAW_INTEGERS_PATTERN, 0x300, "0x300", "0x241..0x260"),
+    ),
+]
 Nodes = Annotated[range, _written(notation.nodes, "1..32", _text_of(notation.NODES_PATTERN, "1..32"))]
 Indices = Annotated[range, _written(notation.indices, "1..4", _text_of(notation.NODES_PATTERN, "1..4"))]
 Counter = Annotated[range, _written(notation.counter, "0..14", _text_of(notation.NODES_PATTERN, "0..14"))]

@@ -372,6 +372,11 @@ def bus_id(id_: int, extended: bool, remote: bool) -> str:
     return f"0x{id_:0{8 if extended else 1}X}{' remote' if remote else ''}"
 
 
+def id_range(ids: range) -> str:
+    """`0x300`, `0x241..0x260`."""
+    return "..".join(f"0x{end:X}" for end in dict.fromkeys((ids[0], ids[-1])))
+
+
 def numbers(listed: Iterable[int]) -> str:
     """Ascending numbers, of which consecutive ones are a range: `1..3, 7`."""
     runs: list[list[int]] = []

@@ -11,7 +11,18 @@ from fractions import Fraction
 NOT_MEANING = frozenset(
     (
         # texts, and what they are about
-        *("title", "about", "notes", "differs", "manual", "manual_name", "printed", "errata", "languages"),
+        *(
+            "title",
+            "about",
+            "notes",
+            "differs",
+            "manual",
+            "manual_name",
+            "printed",
+            "errata",
+            "languages",
+            "neighbours",
+        ),
         # history, and positions in the document
         *("date", "deprecated", "renamed_from", "previous_name", "path"),
     )

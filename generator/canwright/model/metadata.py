@@ -133,6 +133,16 @@ class Mode:
     about: Text
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Neighbour:
+    """Ids on the bus that are not of the protocol; of 29 bits if they need them."""
+
+    name: str
+    ids: range
+    title: Text
+    about: Text
+
+
 @dataclass(frozen=True, kw_only=True)
 class Bus:
     """The settings of the bus that host and nodes share."""
@@ -145,6 +155,7 @@ class Bus:
     answers_in_order: bool
     """Whether a node answers requests in the order in which it receives them; False if that is unknown."""
     modes: tuple[Mode, ...]
+    neighbours: tuple[Neighbour, ...]
     manual: str
 
 

@@ -11,7 +11,7 @@ from ..language import edition as schema
 from ..language.notation import LAST_ID, last_id
 from ..model.edition import Edition
 from ..model.message import Address, Command, Direction, Entry, IdRule, Table
-from ..model.metadata import Bus, Effect, Erratum, Mode, Setting, State
+from ..model.metadata import Bus, Effect, Erratum, Mode, Neighbour, Setting, State
 from ..model.types import ImpliedTitle
 from .discriminators import keyed_by_constants, with_claims, with_confusions
 from .layouts import LayoutResolver
@@ -91,6 +91,10 @@ def _edition(report: Report, spec: schema.EditionSpec) -> Edition:
             reply_within_ms=spec.bus.reply_within_ms,
             answers_in_order=spec.bus.answers is not None,
             modes=tuple(modes.values()),
+            neighbours=tuple(
+                Neighbour(name=name, ids=written.ids, title=titled(written.title, name), about=written.about)
+                for name, written in spec.bus.neighbours.items()
+            ),
             manual=spec.bus.manual or "",
         ),
         parameters=with_limits_of_ids(report, spec, parameters, addresses.values(), resolved),

@@ -130,6 +130,7 @@ def _sizes(edition: Edition, combinations: int) -> Iterator[Size]:
     ):
         yield from (Size(Part.FACTS, (key, item.name), ITEM) for item in items)
     yield from (Size(Part.FACTS, ("parameters", p.name), ITEM * len(p.values)) for p in edition.parameters)
+    yield from (Size(Part.FACTS, ("bus", "neighbours", n.name), ITEM) for n in edition.bus.neighbours)
     yield from (
         Size(Part.FACTS, ("bus", "modes", m.name), ITEM * (1 + len(m.bit_rates_kbps))) for m in edition.bus.modes
     )

@@ -158,6 +158,7 @@ def words(edition: Edition, labels: Mapping[str, str]) -> Iterator[Word]:
         ("effect", edition.effects),
         ("state", edition.states),
         ("mode", edition.bus.modes),
+        ("neighbour", edition.bus.neighbours),
     )
     for kind, items in kinds:
         for item in items:

@@ -77,11 +77,12 @@ def _records(edition: Edition) -> Iterator[Record]:
         ("parameter", "parameters", edition.parameters),
         ("setting", "index", edition.settings),
         ("mode", "bus", edition.bus.modes),
+        ("neighbour", "bus", edition.bus.neighbours),
         ("state", "states", edition.states),
         ("table", "index", edition.tables),
     ):
         for item in items:
-            pages = [f"{page}#{'bus.' if kind == 'mode' else ''}{kind}s.{item.name}"]
+            pages = [f"{page}#{'bus.' if page == 'bus' else ''}{kind}s.{item.name}"]
             yield {
                 "kind": kind,
                 "name": item.name,

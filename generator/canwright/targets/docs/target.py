@@ -69,6 +69,7 @@ class DocsTarget(Target):
                 "raw_format": formatting.raw_format,
                 "no_value": formatting.no_value,
                 "id_rule": formatting.id_rule,
+                "id_range": formatting.id_range,
                 "label": labels_of([d.edition for d in specifications]).__getitem__,
             },
         )

@@ -87,6 +87,9 @@ class _Reference:
         for address in self._edition.addresses:
             ids = dict.fromkeys(map(formatting.id_rule, (address.request, address.reply)))
             yield [address.title[self._language], " / ".join(ids), address.about[self._language]]
+        for neighbour in bus.neighbours:
+            ids_ = formatting.id_range(neighbour.ids)
+            yield [neighbour.title[self._language], ids_, neighbour.about[self._language]]
 
     def _parameter(self, number: int) -> Sequence[str]:
         parameter = self._edition.parameters[number]
