@@ -16,6 +16,7 @@ from canwright.diagnostics.diagnostic import SpecError
 from canwright.project.loader import specification
 from click.testing import CliRunner
 
+from .cli.live import free_port, simulated
 from .compilers import WARNINGS, Compiler, each_compiler
 from .conformance.adapters import ADAPTERS
 from .spec_texts import ROOT, findings
@@ -202,3 +203,12 @@ def test_files_that_contributing_names_exist() -> None:
     folders = (ROOT, ROOT / "generator/canwright", ROOT / "generator/canwright/targets/javascript")
     assert len(named) > 40
     assert [path for path in sorted(named) if not any((folder / path).exists() for folder in folders)] == []
+
+
+def test_commands_on_a_bus_are_answered() -> None:
+    """By the nodes of the other process; the port is one that no other test uses."""
+    port = free_port()
+    with simulated(*shlex.split(example("simulate"))[2:], *port) as ended:
+        for command in example("bus").splitlines():
+            assert run(f"{command} {shlex.join(port)}", ROOT).startswith("reply of ")
+    assert ended.status == 130

@@ -77,6 +77,11 @@ class BusLost(ClientError, ConnectionError):  # noqa: N818
 class ConsentError(ClientError, PermissionError):
     """The program did not allow an effect of the request, which was not sent."""
 
+    reason = ""
+    """What was not sent, and the effect."""
+    consent = ""
+    """What would allow it."""
+
 
 @dataclass(frozen=True)
 class Outcome(Generic[R]):
@@ -166,7 +171,7 @@ class _Batch:
         """A frame came, or a deadline is reached."""
         if frame is not None:
             for line in self._client.lines_of(frame):
-                call = line.feed(_frame_of(frame), now)
+                call = line.feed(frame_of(frame), now)
                 if line in self.live:
                     self._after(line, call, now)
         for line in [line for line in self.live if line.deadline <= now]:
@@ -335,9 +340,10 @@ class ClientCore:
             if consent == "none" or consent in granted:
                 continue
             where = f'Client(..., allow="{consent}") or ' if consent == MOTION else ""
-            raise ConsentError(
-                f'{request} was not sent. {title}. To allow this, write {where}request(..., allow="{consent}")'
-            )
+            reason = f"{request} was not sent. {title}"
+            error = ConsentError(f'{reason}. To allow this, write {where}request(..., allow="{consent}")')
+            error.reason, error.consent = reason, consent
+            raise error
         if request.ONLY:
             request.replace(parameters=node.parameters)  # rejected where the node lacks the command
 
@@ -382,7 +388,7 @@ class ClientCore:
     def _idle(self, frame: can.Message) -> None:
         """A frame while no request is open."""
         for line in self.lines_of(frame):
-            line.feed(_frame_of(frame), time.monotonic())
+            line.feed(frame_of(frame), time.monotonic())
 
     def transmit(self, message: can.Message) -> bool:
         """Sends a frame; whether the queue of the driver had room for it. Raises BusLost."""
@@ -567,7 +573,7 @@ class ClientCore:
 
     def _check_bus(self) -> None:
         if self._lost is not None:
-            raise BusLost(f"the bus does not work: {self._lost}; call reopen") from self._lost
+            raise BusLost(f"{self._lost}; call reopen") from self._lost
 
     def _stop_steps(self, kind: str) -> Steps[list[int]]:
         """Stops the nodes that were moved; returns those that did not confirm it."""
@@ -591,7 +597,8 @@ def _made(node: Node[Any, Any], read: type[Request[Any]]) -> Request[Any] | None
         return None
 
 
-def _frame_of(message: can.Message) -> Frame:
+def frame_of(message: can.Message) -> Frame:
+    """A message of python-can without its time and its channel."""
     return (
         message.arbitration_id,
         message.is_extended_id,

@@ -31,8 +31,10 @@ COMMANDS = {
     "handover": ("handover", "Write documents to hand over: HTML, PDF, Excel, and the command matrix as CSV."),
     "identify": ("identify", "Show which editions a recorded exchange fits, and why."),
     "init": ("init", "Start the spec of a new protocol FAMILY, with golden frames."),
+    "request": ("request", "Send a COMMAND to nodes on a bus, and print the replies in units."),
     "schema": ("schema", "Print the JSON Schema of the language, for editors."),
     "show": ("show", "Show one COMMAND, by name, by code (0x10), or by the CAN id of a broadcast."),
+    "simulate": ("simulate", "Answer on a bus as nodes of an EDITION do, without hardware."),
     "site": ("site", "Build the pages into a website with search, in every language."),
     "test": ("test", "Replay the golden frames of the specs through generated code."),
 }
@@ -50,6 +52,8 @@ HELP = """Usage: canwright [OPTIONS] COMMAND [ARGS]...
     canwright copy FAMILY/EDITION                   copy an edition of the package
     canwright decode LOG                            decode a log, both directions
     canwright encode COMMAND FIELD=VALUE            print the frame of a command
+    canwright request COMMAND FIELD=VALUE           send it on a bus, and print the reply
+    canwright simulate EDITION --node 1..4          answer on a bus as nodes do
     canwright diff OLD NEW                          show changes between editions and who is affected
     canwright identify LOG                          identify the edition of recorded frames
     canwright editions                              list the editions

@@ -76,7 +76,7 @@ def encode(
     if not pairs:
         stop(f"there is no command `{command}`; {hint}")
     direction = Direction.REPLY if reply else Direction.REQUEST
-    written = _written(values)
+    written = written_values(values)
     sent: dict[tuple[str, str], list[Edition]] = {}
     refused: dict[str, list[Edition]] = {}
     for having, shown in pairs:
@@ -84,9 +84,9 @@ def encode(
         if message is None:
             refused.setdefault(f"{shown.name} has no {direction.value}", []).append(having)
             continue
-        result = _encoded(having, message, node, written, given)
+        result = encoded(having, message, node, written, given)
         if isinstance(result, CanFrame):
-            sent.setdefault((_meaning(having, message, result, given), formatting.sent(result)), []).append(having)
+            sent.setdefault((meaning_of(having, message, result, given), formatting.sent(result)), []).append(having)
         else:
             refused.setdefault(result, []).append(having)
     blocks = []
@@ -100,12 +100,12 @@ def encode(
         sys.exit(FINDINGS)
 
 
-def _meaning(edition: Edition, message: Message, frame: CanFrame, given: Assignment) -> str:
+def meaning_of(edition: Edition, message: Message, frame: CanFrame, given: Assignment) -> str:
     """What a frame means that was encoded as this message."""
     return next(meaning_text(m) for m in meanings(edition, frame, given) if m.message is message)
 
 
-def _written(values: Sequence[str]) -> dict[str, str]:
+def written_values(values: Sequence[str]) -> dict[str, str]:
     """The values as they are written, by field. Stops at one that is none, or is given twice."""
     result: dict[str, str] = {}
     for item in values:
@@ -117,7 +117,7 @@ def _written(values: Sequence[str]) -> dict[str, str]:
     return result
 
 
-def _encoded(
+def encoded(
     edition: Edition, message: Message, node: int | None, written: Mapping[str, str], given: Assignment
 ) -> CanFrame | str:
     """The frame, or the reason why there is none."""

@@ -51,7 +51,12 @@ class PythonTarget(Target):
         project = env.get_template("pyproject.toml.j2")
         yield Output("pyproject.toml", project.render(name=distribution, version=PACKAGE_VERSION, families=families))
         yield Output("README.md", env.get_template("README.md.j2").render(name=distribution, x=example(specifications)))
-        for family in families:
+        yield from self.packages(specifications)
+
+    def packages(self, specifications: Sequence[EditionInput]) -> Iterator[Output]:
+        """The package of each family, without the files that distribute it."""
+        env = _environment()
+        for family in dict.fromkeys(d.edition.family for d in specifications):
             yield Output(f"{family}/__init__.py", env.get_template("__init__.py.j2").render(family=family))
             yield Output(f"{family}/py.typed", "")
             for file in SHARED:

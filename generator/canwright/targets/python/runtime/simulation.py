@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Any
 import can
 
 from ._codec import ArrayType, CodecError, FieldType, Message, Refusal, Request, places
-from .client import effects_of
+from .client import effects_of, frame_of
+from .exchange import Copies
 from .nodes import Node, Numbering
 from .python_can import from_message, to_message
 
@@ -213,6 +214,7 @@ class Simulation:
 
     `behaviour` makes the behaviour of each node. Further arguments are first values of all nodes, by variable, such as
     `voltage=48`; those of one node are `simulation[1].values`. `delay` is the time in seconds from a request to its reply.
+    `own_frames` states whether the bus object returns the frames that it sends.
 
     `with simulation:` answers in a thread until the end of the block; `run` answers without one. Give the nodes of the client
     another bus object of the same channel.
@@ -226,6 +228,7 @@ class Simulation:
         *,
         delay: float = 0.0,
         faults: Faults | None = None,
+        own_frames: bool = False,
         **values: Any,
     ) -> None:
         self.bus = bus
@@ -241,6 +244,7 @@ class Simulation:
         self.rejected = 0
         """Frames that are no request to any of the nodes."""
         self._delay = delay
+        self._copies = Copies(own_frames)
         self._random = random.Random(self.faults.seed)
         self._silent: dict[int, float] = {}
         self._due: list[tuple[float, int, can.Message]] = []
@@ -267,7 +271,7 @@ class Simulation:
             frame = self.bus.recv(max(0.0, min([POLL, until - now, *(at - now for at in due)])))
             now = time.monotonic()
             self.step(now)
-            if frame is not None and frame.is_rx and not frame.is_error_frame:
+            if frame is not None and not frame.is_error_frame and not self._is_own(frame):
                 self.receive(frame, now)
             self.flush(time.monotonic())
 
@@ -323,8 +327,13 @@ class Simulation:
     def flush(self, now: float) -> None:
         """Sends the frames that are due. Raises what the bus raises."""
         while self._due and self._due[0][0] <= now:
-            self.bus.send(heapq.heappop(self._due)[2])
+            frame = heapq.heappop(self._due)[2]
+            self._copies.add(frame_of(frame))
+            self.bus.send(frame)
             self.answered += 1
+
+    def _is_own(self, frame: can.Message) -> bool:
+        return not frame.is_rx or self._copies.take(frame_of(frame))
 
     def start(self) -> None:
         """Answers in a thread, until `stop`."""

@@ -1,0 +1,48 @@
+"""Shared by the tests of commands on a bus: nodes in another process over UDP multicast."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from ..spec_texts import ROOT
+
+NEW, OLD = "v2.36-2025-03", "v2.35"
+"""An edition with an id of its own for replies, and one whose replies have the ids of the requests."""
+
+
+@dataclass
+class Ended:
+    """What became of a process."""
+
+    status: int | None = None
+    stdout: str = ""
+
+
+def free_port() -> tuple[str, ...]:
+    """The options of a port for a bus between processes that no other test uses."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("", 0))
+        return "--bus-kwargs", f"port={free.getsockname()[1]}"
+
+
+@contextmanager
+def simulated(*arguments: str) -> Iterator[Ended]:
+    """`canwright simulate` in another process, which an interrupt ends at the end of the block."""
+    command = (sys.executable, "-m", "canwright", "simulate", *arguments)
+    ended = Ended()
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, text=True, cwd=ROOT, stdout=pipe, stderr=pipe) as process:
+        assert process.stderr
+        try:
+            assert "Ctrl-C ends" in process.stderr.readline()
+            yield ended
+        finally:
+            process.send_signal(signal.SIGINT)
+            ended.stdout, _ = process.communicate()
+            ended.status = process.returncode
