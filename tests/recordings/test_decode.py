@@ -260,13 +260,21 @@ bus:
 """
 
 
+def test_a_log_without_a_frame_of_the_family_is_undecided(tmp_path: Path) -> None:
+    log = tmp_path / "other.log"
+    log.write_text("(1.0) can0 123#00\n", "utf-8")
+    for command in ("decode", "identify"):
+        result = CliRunner().invoke(main, [command, str(log)])
+        assert (result.exit_code, result.output.splitlines()[-1]) == (1, "undecided: no frame has an id of mwd_motor")
+
+
 def test_ids_of_neighbours_get_the_sentence_of_the_spec() -> None:
     """In the summary, in `identify` and of a single frame; an id of 29 bits is not one of 11 bits."""
     Path("lamp.yaml").write_text(MINIMAL + NEIGHBOURS, "utf-8")
     lines = [
         f"(1.{n}) can0 {id_}#1000640000000000\n" for n, id_ in enumerate(("181", "00000182", "183", "00012345", "184"))
     ]
-    text = decode("".join(lines), "--spec", "lamp.yaml").output
+    text = decode("".join(lines), "--spec", "lamp.yaml", status=1).output
     stated = ["  0x181, 0x183: Pumps. They reply to lamps.\n", "  0x00012345: Far\n"]
     for sentence in stated:
         assert sentence in text
@@ -381,7 +389,7 @@ def test_a_text_without_a_frame_is_the_name_of_a_file(text: str) -> None:
 def test_requests_without_all_bytes_are_named() -> None:
     text = decode("".join(f"({n}.0) can0 141#9A\n" for n in range(4)), status=1).stdout
     assert "4 frames with foreign ids: 0x141 (4)\n  0x141 has 1 data byte, not 8, as in 141#9A" in text
-    assert "not 8" not in decode("(1.0) can0 7FF#9A\n", *SETTINGS).stdout
+    assert "not 8" not in decode("(1.0) can0 7FF#9A\n", *SETTINGS, status=1).stdout
 
 
 def test_a_log_of_error_frames_alone_names_their_causes() -> None:
