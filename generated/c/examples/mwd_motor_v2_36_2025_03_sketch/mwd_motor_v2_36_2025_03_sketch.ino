@@ -56,7 +56,7 @@ static bool receive(canwright_frame_t &frame, uint32_t timeout_ms)
         return false;
     }
     frame.id = message.identifier | (message.extd ? CANWRIGHT_EXTENDED : 0u) | (message.rtr ? CANWRIGHT_REMOTE : 0u);
-    frame.dlc = message.data_length_code <= 8u ? message.data_length_code : 8u;
+    frame.dlc = message.data_length_code <= CANWRIGHT_MAX_DATA ? message.data_length_code : CANWRIGHT_MAX_DATA;
     for (uint8_t i = 0; i < frame.dlc; i++) {
         frame.data[i] = message.data[i];
     }
