@@ -69,12 +69,12 @@ def identify(
     if form == "json":
         print_json(_facts(family, identification, read_log.counts))
     else:
-        _text(family, identification, read_log.counts)
+        print_identification(family, identification, read_log.counts)
     if not identification.is_complete:
         sys.exit(FINDINGS)
 
 
-def _text(family: str, identification: Identification, counts: Counts) -> None:
+def print_identification(family: str, identification: Identification, counts: Counts) -> None:
     if counts.skipped:
         parts = ", ".join(f"{part.value} ({count})" for part, count in counts.skipped.items())
         print_text(f"skipped: {parts}\n\n")
