@@ -209,6 +209,8 @@ def test_commands_on_a_bus_are_answered() -> None:
     """By the nodes of the other process; the port is one that no other test uses."""
     port = free_port()
     with simulated(*shlex.split(example("simulate"))[2:], *port) as ended:
-        for command in example("bus").splitlines():
-            assert run(f"{command} {shlex.join(port)}", ROOT).startswith("reply of ")
+        scan, *requests = (f"{command} {shlex.join(port)}" for command in example("bus").splitlines())
+        assert "nodes 1..4, 212 frames: fits v2.36-2025-03\n" in run(scan, ROOT)
+        for command in requests:
+            assert run(command, ROOT).startswith("reply of ")
     assert ended.status == 130

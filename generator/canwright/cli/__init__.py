@@ -32,6 +32,7 @@ COMMANDS = {
     "identify": ("identify", "Show which editions a recorded exchange fits, and why."),
     "init": ("init", "Start the spec of a new protocol FAMILY, with golden frames."),
     "request": ("request", "Send a COMMAND to nodes on a bus, and print the replies in units."),
+    "scan": ("scan", "Find the nodes on a bus, and show which editions each of them fits."),
     "schema": ("schema", "Print the JSON Schema of the language, for editors."),
     "show": ("show", "Show one COMMAND, by name, by code (0x10), or by the CAN id of a broadcast."),
     "simulate": ("simulate", "Answer on a bus as nodes of an EDITION do, without hardware."),
@@ -52,6 +53,7 @@ HELP = """Usage: canwright [OPTIONS] COMMAND [ARGS]...
     canwright copy FAMILY/EDITION                   copy an edition of the package
     canwright decode LOG                            decode a log, both directions
     canwright encode COMMAND FIELD=VALUE            print the frame of a command
+    canwright scan                                  find the nodes on a bus, and their editions
     canwright request COMMAND FIELD=VALUE           send it on a bus, and print the reply
     canwright simulate EDITION --node 1..4          answer on a bus as nodes do
     canwright diff OLD NEW                          show changes between editions and who is affected

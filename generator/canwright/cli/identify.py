@@ -78,12 +78,13 @@ def identify(
     if form == "json":
         print_json(_facts(family, identification, read_log.counts))
     else:
-        _text(own, identification, read_log.counts)
+        print_identification(own, identification, read_log.counts)
     if not identification.is_complete:
         sys.exit(FINDINGS)
 
 
-def _text(editions: Sequence[Edition], identification: Identification, counts: Counts) -> None:
+def print_identification(editions: Sequence[Edition], identification: Identification, counts: Counts) -> None:
+    """Prints the editions that the nodes of a bus fit, and why others do not."""
     family = editions[0].family
     if counts.skipped:
         parts = ", ".join(f"{part.value} ({count})" for part, count in counts.skipped.items())

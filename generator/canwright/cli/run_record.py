@@ -189,7 +189,7 @@ def _own_files() -> Iterator[object]:
             yield from ([file, digest_of_regular(f"{name}/{file}")] for file in sorted(files))
     data_files = (
         *(resources.UNITS, resources.SYNONYMS, resources.SCHEMA),
-        *(resources.QUESTIONS, resources.QUICK_START),
+        *(resources.QUESTIONS, resources.QUICK_START, resources.NO_ANSWER),
     )
     yield from ([data.name, digest_of_regular(str(data))] for data in data_files)
 

@@ -20,13 +20,13 @@ from ..rules.checker import check
 from ..rules.rule import CheckInput
 from ..targets.base import EditionInput
 from ..targets.registry import targets
-from ..templating.resources import QUESTIONS, QUICK_START, SYNONYMS, UNITS
+from ..templating.resources import NO_ANSWER, QUESTIONS, QUICK_START, SYNONYMS, UNITS
 
 if TYPE_CHECKING:
     from .golden_file import GoldenFile
 
 FRAMES_SUFFIX = ".frames.yaml"
-_NO_SPECS = tuple(file.name for file in (UNITS, SYNONYMS, QUESTIONS, QUICK_START))
+_NO_SPECS = tuple(file.name for file in (UNITS, SYNONYMS, QUESTIONS, QUICK_START, NO_ANSWER))
 
 
 @dataclass(frozen=True)

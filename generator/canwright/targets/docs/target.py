@@ -19,6 +19,7 @@ from ..options import NO_OPTIONS, Options
 from . import editions, guides, tables
 from .common import Common
 from .links import COMMANDS, PICTURES, command_page, entry_anchor
+from .no_answer import PAGE as NO_ANSWER, no_answer_page
 from .overview import overview
 from .pages import Pages
 from .probes import probes
@@ -140,11 +141,16 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
         "words": [(edition, list(guides.words(edition, book.labels))) for edition in only_editions],
     }
     view = {**book.view, **about}
+    no_answer = no_answer_page(only_editions, language)
+    view["labels"] = {**book.labels, "no_answer": no_answer.title if no_answer else ""}
     asked = list(questions(book.listed, language))
     if asked:
         view["has_questions"] = True
         page = env.get_template(f"{QUESTIONS}.md.j2").render(view, questions=asked)
         yield Output(f"{language}/{QUESTIONS}.md", page)
+    if no_answer:
+        page = env.get_template(f"{NO_ANSWER}.md.j2").render(view, page=no_answer)
+        yield Output(f"{language}/{NO_ANSWER}.md", page)
     lines = list(editions.front(book.listed))
     yield Output(f"{language}/index.md", env.get_template("language.md.j2").render(view, editions=lines))
     if supported:
