@@ -20,7 +20,7 @@ const CAMEL = /(?<=[a-z]{2})(?=[A-Z])/gu;
 const REMARK = /(?<=\S)\s*[（(][^（()）]{8,}[)）]/gu;
 
 /** How much a match in an item of a kind is worth; exact matches are compared by it, too. */
-const WEIGHTS = { command: 1, type: 0.8, entry: 0.9, id: 0.95, page: 0.9, question: 0.9, heading: 0.88, mode: 0.75, effect: 0.7, field: 0.7, value: 0.65, table: 0.6, erratum: 0.45, parameter: 0.55, setting: 0.5, state: 0.5 };
+const WEIGHTS = { command: 1, type: 0.8, entry: 0.9, id: 0.95, page: 0.9, question: 0.9, heading: 0.88, mode: 0.75, effect: 0.7, field: 0.7, value: 0.65, table: 0.6, erratum: 0.45, parameter: 0.55, setting: 0.5, state: 0.5, neighbour: 0.5 };
 /** For an item that is the whole query: the type of a field comes before the commands that have it. */
 const WHOLE = { heading: 0, type: 0.99 };
 const ABOUT = 0.3;
