@@ -43,7 +43,6 @@ def bus_options(function: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(function)
     def command(*arguments: Any, bus_kwargs: Sequence[str], **options: Any) -> None:
-        require_python_can()
         given = {name: options.pop(name) for name in ("interface", "channel", "bitrate", "fd", "data_bitrate")}
         known = {name: value for name, value in given.items() if value is not None}
         function(*arguments, bus_arguments=known | _further(bus_kwargs), **options)
@@ -75,6 +74,7 @@ def require_python_can() -> None:
 @contextlib.contextmanager
 def opened_bus(arguments: BusArguments) -> Iterator[can.BusABC]:
     """The bus; stops if it cannot be opened. Its own messages are not printed."""
+    require_python_can()
     import can
 
     logging.getLogger("can").setLevel(logging.CRITICAL + 1)
@@ -101,6 +101,13 @@ def returns_own_frames(arguments: BusArguments) -> bool:
 
     config = can.util.load_config(config={**arguments})
     return config["interface"] == "udp_multicast" or bool(config.get("receive_own_messages"))
+
+
+def errors_of_use() -> tuple[type[Exception], ...]:
+    """What a bus raises that is lost."""
+    import can
+
+    return can.CanError, OSError, ValueError
 
 
 def sentence(error: BaseException) -> str:

@@ -18,6 +18,7 @@ from ..semantics.frame import CanFrame
 from ..targets.base import EditionInput
 from ..targets.python.target import TARGET
 from ..targets.python.text import class_name
+from .bus import require_python_can
 from .common import stop
 
 
@@ -33,7 +34,8 @@ class PythonPackage:
     """The modules of the package, and the parameters of the nodes of a bus."""
 
     def __init__(self, specification: EditionInput, given: Assignment) -> None:
-        edition = self._edition = specification.edition
+        require_python_can()
+        edition = specification.edition
         names = (edition.identifier, "nodes", "client", "simulation")
         with tempfile.TemporaryDirectory(prefix="canwright-") as folder:
             package = write_files(TARGET.packages([specification]), Path(folder))
