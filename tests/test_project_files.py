@@ -82,11 +82,22 @@ def test_changelog_starts_with_this_version() -> None:
     assert headings[0].split()[0] == canwright.__version__
 
 
+def dependencies() -> str:
+    """The lines of what pip installs with canwright."""
+    text = (ROOT / "pyproject.toml").read_text("utf-8")
+    (lines,) = re.findall(r"^dependencies = \[\n(.*?)^\]$", text, re.MULTILINE | re.DOTALL)
+    return str(lines)
+
+
 def test_dependencies_do_not_hide_that_python_is_too_old() -> None:
     """pip with an early Python names the first dependency without a release for it, unless a marker excludes all."""
-    text = (ROOT / "pyproject.toml").read_text("utf-8")
-    dependencies = re.search(r"^dependencies = \[\n(.*?)^\]$", text, re.MULTILINE | re.DOTALL)
-    assert dependencies and all("; python_version " in line for line in dependencies[1].splitlines())
+    assert all("; python_version " in line for line in dependencies().splitlines())
+
+
+def test_canwright_test_needs_no_extra_for_reference_python_and_dbc() -> None:
+    sources = [file.read_text("utf-8") for file in (ROOT / "generator/canwright/conformance").glob("*.py")]
+    imported = set(re.findall(r"(?m)^ *(?:from|import) (\w+)", "\n".join(sources))) - sys.stdlib_module_names
+    assert {"cantools"} == imported <= set(re.findall(r'(?m)^  "([\w-]+)', dependencies()))
 
 
 def test_version_is_written_once_in_the_sources() -> None:

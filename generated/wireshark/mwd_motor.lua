@@ -1376,7 +1376,7 @@ local editions = {}
 
 editions[1] = codec.edition({
     name = "v2.35",
-    hash = "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13",
+    hash = "5c7ed0b6944b5d1ae0025b37f208b650c9d57819004f5da8fff3eb95aff07168",
     reply_within = 250000.0,
     types = {
         {width = 16, encoding = "signed", limits = {-850.0, 850.0}},
@@ -2647,7 +2647,7 @@ editions[1] = codec.edition({
 
 editions[2] = codec.edition({
     name = "v2.35-2024-02",
-    hash = "50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5",
+    hash = "11ec8091dc8d24f77acfeeb5b741fd4a39edc4023ebaa22d44939eed44dba516",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
@@ -4043,7 +4043,7 @@ editions[2] = codec.edition({
 
 editions[3] = codec.edition({
     name = "v2.36-2024-11",
-    hash = "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a",
+    hash = "29c30f9de6b1688985551ad4aaa204d05cceb815c7b5a2beb3b1fc1ad2bd4f05",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},
@@ -5718,7 +5718,7 @@ editions[3] = codec.edition({
 
 editions[4] = codec.edition({
     name = "v2.36-2025-03",
-    hash = "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf",
+    hash = "48ad4f9f8532c0b937e57e55e0e3f16ab19eb4ad9bf7484be4bbfd9b400bf070",
     reply_within = 250000.0,
     types = {
         {width = 8, encoding = "unsigned", enum = {{0, "lock"}, {1, "release"}, {16, "read"}}},

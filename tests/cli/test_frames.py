@@ -60,8 +60,9 @@ def test_only_missing_entries_are_printed_below_existing_ones(lamp: Path) -> Non
 
 def test_frames_of_a_log_are_unreviewed_until_a_source_is_named(lamp: Path) -> None:
     result = run("frames", "lamp.yaml", "--from", "bus.log")
-    entry = 'node: 1, id: 0x101, data: "10 00 F4 01 00 00 00 00", raw: {level: 500}, values: {level: 50}'
-    assert f"  - {{request: dim, {entry}}}\n  - {{reply: dim, {entry}}}\n" in result.stdout
+    entry = 'node: 1, id: 0x101, data: "10 00 F4 01 00 00 00 00"'
+    reading = "  # by the spec: raw: {level: 500}, values: {level: 50}\n"
+    assert f"{reading}  - {{request: dim, {entry}}}\n{reading}  - {{reply: dim, {entry}}}\n" in result.stdout
     lamp.write_text(result.stdout, "utf-8")
     for command in (("check",), ("generate", "--target", "columns", "--out", "out")):
         checked = run(*command, "--spec", "lamp.yaml")
@@ -70,8 +71,10 @@ def test_frames_of_a_log_are_unreviewed_until_a_source_is_named(lamp: Path) -> N
         assert "`dim` (request)" in checked.stderr, "an unreviewed frame counts as missing"
     frames = load(Path("lamp.yaml")).specification.frames
     assert frames is not None and frames.frames == []
-    reviewed = result.stdout.replace("sources: {}", "sources: {bench: A lamp.}").replace("}}", "}, source: bench}")
-    lamp.write_text(reviewed, "utf-8")
+    named = result.stdout.replace("sources: {}", "sources: {bench: A lamp.}").replace('00"}', '00", source: bench}')
+    lamp.write_text(named, "utf-8")
+    assert "neither `raw` nor `values` has `level`" in run("check", "--spec", "lamp.yaml").stderr
+    lamp.write_text(named.replace("source:", "values: {level: 50}, source:"), "utf-8")
     checked = run("check", "--spec", "lamp.yaml")
     assert "unreviewed" not in checked.stderr and "`dim`" not in checked.stderr
 

@@ -27,18 +27,17 @@ def init(*arguments: str) -> Result:
         ((), [0x101, 0x101, 0x101, 0x101]),
         (("--id", "0x140 + node", "--nodes", "3..4"), [0x143] * 4),
         (("--id", "0x600 + node", "--reply-id", "0x580 + node", "--nodes", "1..127"), [0x601, 0x581] * 2),
-        (
-            (
-                "--id",
-                "0x200",
-            ),
-            [0x200] * 4,
-        ),
+        (("--id", "0x200"), [0x200] * 4),
         (("--id", "0x200", "--reply-id", "0x280 + node"), [0x200, 0x281] * 2),
         (("--code", "id", "--id", "node << 5", "--nodes", "0..62"), [1, 1, 2, 2]),
         (("--code", "id", "--id", "0"), [1, 1, 2, 2]),
         (("--id", "node", "--reply-id", "master_id + 0x100"), [1, 0x101] * 2),
         (("--id", "base_id + node"), [2] * 4),
+        (("--byte-order", "big"), [0x101] * 4),
+        (("--broadcast",), [0x101] * 2),
+        (("--broadcast", "--code", "id", "--byte-order", "big"), [0x21, 0x22]),
+        (("--broadcast", "--code", "none", "--id", "0x180 + node"), [0x181]),
+        (("--code", "none", "--id", "0x10", "--reply-id", "0x18", "--byte-order", "big"), [0x10, 0x18]),
         (("--code", "id", "--extended", "--id", "node << 8", "--edition", "2.0"), [0x101, 0x101, 0x102, 0x102]),
     ],
 )
@@ -68,6 +67,7 @@ def test_what_it_writes_generates_at_once() -> None:
         (("lamp", "--id", "0x7F0 + node"), "the id 0x810 exceeds the maximum of 0x7FF"),
         (("lamp", "--nodes", "all"), "`all` is not a range of whole numbers"),
         (("lamp", "--code", "id", "--id", "0x100 + node"), "leaves no bits for the code"),
+        (("lamp", "--broadcast", "--reply-id", "0x180 + node"), "remove --reply-id"),
     ],
 )
 def test_invalid_options_write_nothing(arguments: tuple[str, ...], says: str) -> None:

@@ -6,6 +6,7 @@ import importlib.util
 import json
 import shlex
 import shutil
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -169,19 +170,21 @@ def test_a_missing_tool_is_named_with_its_package(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(
         "canwright.conformance.c_selftest.find_spec", lambda name: None if name == "ziglang" else find_spec(name)
     )
-    for module in ("dbc", "dbc_file", "dbc_fields"):
-        monkeypatch.delitem(sys.modules, f"canwright.conformance.{module}", raising=False)
-    for module in [name for name in sys.modules if name.partition(".")[0] == "cantools"]:
-        monkeypatch.delitem(sys.modules, module)
-    monkeypatch.setitem(sys.modules, "cantools", None)
     result = run("test")
     compiler = "no C compiler found; install gcc or clang, or run: pip install ziglang"
     assert result.exit_code == 0
     assert f"lamp v1  c              0       0       0          4  {compiler}\n" in result.stdout
-    package = "cantools is not installed; run: pip install cantools"
-    assert f"lamp v1  dbc            0       0       0          4  {package}\n" in result.stdout
+    assert "lamp v1  dbc            4       4       0          0\n" in result.stdout
     required = run("test", "--target", "reference", "--target", "c")
     assert (required.exit_code, required.stdout, required.stderr) == (2, "", f"canwright: c: {compiler}\n")
+
+
+@pytest.mark.usefixtures("lamp")
+@pytest.mark.parametrize("arguments", [["check", "--no-cache"], ["generate"], ["test", "--target", "reference"]])
+def test_cantools_is_imported_for_dbc_only(arguments: list[str]) -> None:
+    script = "import sys\nfrom canwright.cli import main\ntry:\n main()\nfinally:\n print({'can', 'cantools'} & {*sys.modules})"
+    done = subprocess.run([sys.executable, "-c", script, *arguments], capture_output=True, text=True, check=False)
+    assert (done.stdout.splitlines()[-1], done.stderr.count("Traceback")) == ("set()", 0)
 
 
 @pytest.mark.usefixtures("lamp")

@@ -121,6 +121,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "EffectSpec.about": {"effects.glows.about": TEXT},
     "EffectSpec.consent": {"effects.glows.consent": "motion"},
     "EffectSpec.repeat": {"effects.glows.repeat": "never"},
+    "EffectSpec.kept": {"effects.glows.kept": "ram"},
     "EffectSpec.level": {"effects.glows.level": "danger"},
     "EntrySpec.title": {"tables.store.entries.gain.title": TEXT},
     "EntrySpec.about": {"tables.store.entries.gain.about": TEXT},

@@ -170,6 +170,7 @@ BLOCK = """dim:
             "write a mapping without dashes: {dim: {code: 16, reply: none}}",
         ),
         ("0.1", f"0.{'1' * 33}", "this number has 33 decimals", "33/2048"),
+        ("type: level}", "type: level, count: 4}", "unknown key `count`", "did you mean `array`?"),
         ("type: level}", "raw: u8, step: 0.5}", "unknown key `step`", "did you mean `scale`? It belongs to a type"),
     ],
 )
@@ -197,6 +198,18 @@ def test_message_and_hint_of_a_mistake_in_a_spec(tmp_path: Path, old: str, new: 
             ("level: 100}", "level: 100}, values: {level: 100}"),
             "`level` is 10 according to the scale",
             "this is the raw integer; `values` has the value in %",
+        ),
+        (
+            ("scale: 0.1", "scale: 1/3"),
+            ("raw: {level: 100}", "values: {level: 33.33}"),
+            "`level` is 100/3 according to the scale",
+            "if the manual rounds it, write 100/3; otherwise check the value and the type in the spec",
+        ),
+        (
+            ("scale: 0.1", "scale: 1/3"),
+            ("raw: {level: 100}", "values: {level: 33.32}"),
+            "`level` is 100/3 according to the scale",
+            "check the value and the type in the spec",
         ),
         (
             ("id: 0x100 + node, nodes: 1..4", "id: 0x100"),
@@ -229,6 +242,7 @@ def test_message_and_hint_of_a_mistake_in_a_golden_frame(
     (finding,) = (d for d in refused.value.diagnostics if d.severity is Severity.ERROR)
     assert message in finding.message
     assert hint in finding.hint
+    assert ("rounds" in finding.hint) == ("rounds" in hint)
 
 
 def test_messages_without_a_golden_frame_are_listed_in_one_warning(tmp_path: Path) -> None:
@@ -242,6 +256,12 @@ def test_messages_without_a_golden_frame_are_listed_in_one_warning(tmp_path: Pat
     )
 
 
+IN_DATA = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", "id: 0x101").replace(
+    "{level: {at: 2, type: level}}", "{lamp: {at: 1, raw: u8, holds: node}, level: {at: 2, type: level}}"
+)
+"""A spec whose node is a field."""
+
+
 @pytest.mark.parametrize(
     ("entry", "messages"),
     [
@@ -253,8 +273,12 @@ def test_messages_without_a_golden_frame_are_listed_in_one_warning(tmp_path: Pat
     ],
 )
 def test_the_node_of_a_golden_frame_may_be_a_field(tmp_path: Path, entry: str, messages: list[str]) -> None:
-    spec = MINIMAL.replace("id: 0x100 + node, nodes: 1..4", "id: 0x101")
-    spec = spec.replace(
-        "{level: {at: 2, type: level}}", "{lamp: {at: 1, raw: u8, holds: node}, level: {at: 2, type: level}}"
-    )
-    assert contradictions(tmp_path, spec, entry) == messages
+    assert contradictions(tmp_path, IN_DATA, entry) == messages
+
+
+def test_a_node_that_differs_from_the_field_is_corrected(tmp_path: Path) -> None:
+    assert contradictions(tmp_path, IN_DATA, "node: 2, raw: {level: 7}")
+    with pytest.raises(SpecError) as refused:
+        load(tmp_path / "v1.yaml")
+    hints = [finding.hint for finding in refused.value.diagnostics if finding.severity is Severity.ERROR]
+    assert hints == ["this field contains the node: write `node: 0`, or check `data`"]

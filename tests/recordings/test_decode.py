@@ -24,6 +24,7 @@ import pytest
 from canwright.cli import main
 from canwright.conformance.adapter import assignment
 from canwright.conformance.runner import as_number
+from canwright.model import formatting
 from canwright.model.edition import Edition
 from canwright.model.golden_frames import GoldenFrame
 from canwright.model.message import Direction, Message
@@ -43,7 +44,7 @@ from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT, SPECS, WITHOUT_SETTINGS_IN_IDS, called
 from .test_readers import LOG_FORMATS
-from .traffic import Loss, Traffic
+from .traffic import Loss, Sent, Traffic
 
 V2_35 = ROOT / "spec/mwd_motor/v2.35.yaml"
 V2_36 = ROOT / "spec/mwd_motor/v2.36-2025-03.yaml"
@@ -249,6 +250,66 @@ def test_a_split_log_of_times_before_the_epoch_is_read_again(suffix: str) -> Non
     start = Fraction(-1769000000020000) if suffix == ".log" else times[0] * 1_000_000
     since = [Fraction(line.split(",")[0]) + 1769000000020000 for line in EARLY.splitlines()[1:]]
     assert [round(time * 1_000_000 - start) for time in times] == since
+
+
+def split_rows(log: str, suffix: str, *options: str) -> tuple[list[dict[str, object]], list[dict[str, object]]]:
+    """The rows of a log, and of the file that it is split into; times are since the first, ASC and BLF lack its date."""
+    results: list[list[dict[str, object]]] = []
+    Path("bus.log").write_text(log, "utf-8")
+    for name, *more in (["bus.log", "--split", f"split{suffix}"], [f"split{suffix}", "--from-split"]):
+        result = CliRunner().invoke(main, ["decode", name, *more, *options, "--format", "jsonl"])
+        rows = json_rows(result.stdout)
+        start = rows[0]["time"]
+        for row in rows:
+            row["time"] = round((row["time"] - start) * 1e6)  # type: ignore[operator]
+            del row["decided_by"]
+        buses = list(dict.fromkeys(row["bus"] for row in rows))
+        results.append([{**row, "bus": buses.index(row["bus"])} for row in rows])
+    written, read = results
+    return written, read
+
+
+def recorded(sent: Sequence[Sent]) -> str:
+    return "".join(
+        f"({(frame.time or 0) / 10**9:.6f}) {frame.bus} {formatting.sent(frame.frame)}\n" for frame, _ in sent
+    )
+
+
+@pytest.mark.parametrize("only", [(), (Direction.REQUEST,), (Direction.REPLY,)])
+@pytest.mark.parametrize("spec", [V2_35, V2_36, ROOT / "tests/specs/servo/v1.yaml"], ids=["v2.35", "v2.36", "fd"])
+@pytest.mark.parametrize("suffix", [".log", ".asc", ".blf"])
+def test_a_split_log_has_the_rows_of_the_log(suffix: str, spec: Path, only: Sequence[Direction]) -> None:
+    """Also a log of requests or replies alone, and frames of CAN FD, with the edition known and identified."""
+    edition = specification(spec).edition
+    both = [
+        sent
+        for seed, bus in enumerate(("can0", "vcan1"))
+        for sent in Traffic(edition, "mixed", seed, loss=Loss(0.1, has_retries=True), nodes=2, bus=bus).frames(60)
+        if not only or sent.direction in only
+    ]
+    log = recorded(sorted(both, key=lambda sent: sent.recorded.time or 0)) + "(1700000001.0) can0 7FF#00\n"
+    written, read = split_rows(log, suffix, "--spec", str(spec))
+    assert read == written
+    assert {row["direction"] for row in read} == {None, *(only or Direction)}
+    assert len(read) > 50
+    if ROOT / "spec" in spec.parents:
+        written, read = split_rows(log, suffix)
+        assert read == written
+
+
+def test_the_requests_of_a_split_log_are_read_alone() -> None:
+    decode(MIXED, *SETTINGS, "--split", "split.log")
+    requests = [line for line in Path("split.log").read_text("ascii").splitlines() if "can1" in line or "can4" in line]
+    Path("requests.log").write_text("\n".join(requests) + "\n", "ascii")
+    settings = [setting.replace("can0:", "1:") for setting in SETTINGS]
+    rows = json_rows(run("requests.log", "--from-split", *settings, "--format", "jsonl").stdout)
+    assert [(row["bus"], row["node"], row["direction"], row["command"]) for row in rows] == [
+        ("1", 1, "request", "set_torque"),
+        ("2", 3, "request", "read_status_1"),
+        ("1", 2, "request", "read_status_1"),
+    ]
+    message = "`can0` is no channel of a file that --split writes; omit --from-split"
+    assert message in decode(MIXED, "--from-split", status=2).stderr
 
 
 @pytest.mark.parametrize(

@@ -24,13 +24,49 @@ ARDUINO = Path(__file__).parent / "arduino"
 GENERATED = ROOT / "generated/c"
 SKETCH = "mwd_motor_v2_35_sketch"
 PRINTED = """\
-request 141 A1 0 0 0 64 0 0 0
-reply 141 A1 32 0 8 F4 1 E8 3
-temperature = 50
-iq = 33000 thousandths of A
-speed = 500
-encoder = 5493 thousandths of deg
+request 141 30 0 0 0 0 0 0 0
+reply 141 30 0 64 65 32 28 33 34
+angle_kp = 100
+angle_ki = 101
+speed_kp = 50
+speed_ki = 40
+iq_kp = 51
+iq_ki = 52
 ok
+"""
+ON_ESP32 = ("-DESP32", f"-I{ARDUINO}")
+REPLY = ("-DREPLY_ID=0x141", "-DREPLY_DATA=0x30,0,0x64,0x65,0x32,0x28,0x33,0x34")
+SOCKETS = """\
+#define main main_of_the_example
+#include "mwd_motor_v2_35_socketcan.c"
+#undef main
+
+/* A host and a node on a pair of sockets, which have frames as SocketCAN has them. */
+int main(void)
+{
+    const canwright_frame_t request = {.id = 0x141u, .dlc = 8u, .data = {0x30u}};
+    const canwright_frame_t foreign = {.id = 0x142u, .dlc = 8u, .data = {0x30u, 0u, 9u}};
+    const canwright_frame_t answer = {
+        .id = 0x141u, .dlc = 8u, .data = {0x30u, 0u, 0x64u, 0x65u, 0x32u, 0x28u, 0x33u, 0x34u}};
+    canwright_frame_t frame;
+    int ends[2];
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends) != 0
+        || write(ends[1], &answer, sizeof answer) != (ssize_t)sizeof answer) {
+        return 1;
+    }
+    if (exchange(ends[0], &frame, &request)) {
+        return 2; /* a frame that came before the request is not its reply */
+    }
+    if (read(ends[1], &frame, sizeof frame) != (ssize_t)sizeof frame || memcmp(&frame, &request, sizeof frame) != 0) {
+        return 3;
+    }
+    if (fork() == 0) {
+        const bool is_asked = read(ends[1], &frame, sizeof frame) == (ssize_t)sizeof frame;
+        const bool is_sent = is_asked && write(ends[1], &foreign, sizeof foreign) == (ssize_t)sizeof foreign;
+        _exit(is_sent && write(ends[1], &answer, sizeof answer) == (ssize_t)sizeof answer ? 0 : 1);
+    }
+    return exchange(ends[0], &frame, &request) && memcmp(&frame, &answer, sizeof frame) == 0 ? 0 : 4;
+}
 """
 
 
@@ -119,13 +155,41 @@ def test_sketches_run(spec: Path, tmp_path: Path) -> None:
     folder = write([specification(spec)], tmp_path)
     for sketch in folder.glob("examples/*/*.ino"):
         assert sketch.stem == sketch.parent.name
-        program = tmp_path / "sketch"
-        arguments = (f"-I{folder / 'src'}", _unit(sketch, tmp_path), "-nostdlib++", "-o", program)
-        ZIG.run("c++17", *WARNINGS, *arguments)
-        printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+        printed = _run(sketch, tmp_path)
         assert printed.endswith("\nok\n")
         if spec == MAIN:
             assert printed == PRINTED
+        if "esp32dev" in (sketch.parent / "platformio.ini").read_text("utf-8"):
+            assert _run(sketch, tmp_path, *ON_ESP32).endswith("\nno reply\n")
+
+
+def test_a_sketch_waits_for_the_reply_on_an_esp32(tmp_path: Path) -> None:
+    sketch = GENERATED / f"examples/{SKETCH}/{SKETCH}.ino"
+    assert _run(sketch, tmp_path, *ON_ESP32, *REPLY) == PRINTED
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="SocketCAN is a part of Linux")
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_programs_for_socketcan_compile(spec: Path, tmp_path: Path) -> None:
+    folder = write([specification(spec)], tmp_path)
+    for source in folder.glob("examples/*_socketcan.c"):
+        ZIG.check("c99", *WARNINGS, f"-I{folder / 'include'}", "-c", source, "-o", tmp_path / "unit.o")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="SocketCAN is a part of Linux")
+def test_a_program_for_socketcan_takes_only_the_reply(tmp_path: Path) -> None:
+    unit, program = tmp_path / "unit.c", tmp_path / "program"
+    unit.write_text(SOCKETS, "utf-8")
+    ZIG.run("c99", *WARNINGS, f"-I{GENERATED / 'include'}", f"-I{GENERATED / 'examples'}", unit, "-o", program)
+    assert subprocess.run([program], check=False).returncode == 0
+
+
+def _run(sketch: Path, folder: Path, *flags: str) -> str:
+    """What a sketch prints."""
+    program = folder / "sketch"
+    include = sketch.parents[2] / "src"
+    ZIG.run("c++17", *WARNINGS, *flags, f"-I{include}", _unit(sketch, folder), "-nostdlib++", "-o", program)
+    return subprocess.run([program], capture_output=True, text=True, check=True).stdout
 
 
 def _unit(sketch: Path, folder: Path) -> Path:

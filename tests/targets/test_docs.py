@@ -345,6 +345,15 @@ def test_pages_about_several_families_name_the_family_of_each_edition(tmp_path: 
     assert all(rest[f"en/{path}.md"][1] >= 2 for path in ("support", "which-edition", "torch-v1/commands/dim"))
 
 
+def test_questions_of_a_family_do_not_link_commands_of_another_one(tmp_path: Path) -> None:
+    (tmp_path / "lamp.yaml").write_text(MINIMAL.replace("  dim:\n", "  motor_stop:\n"), "utf-8")
+    both = [specification(file) for file in (SPEC, tmp_path / "lamp.yaml")]
+    pages = {output.path: output.text for output in DocsTarget().generate(both, {})}
+    assert "en/lamp-v1/commands/motor_stop.md" in pages
+    links = re.findall(r"\(([^()]*/motor_stop\.md)\)", pages["en/questions.md"])
+    assert {*links} == {"mwd_motor-v2.35/commands/motor_stop.md"}
+
+
 def test_a_frame_is_written_as_can_utils_take_it() -> None:
     """They recognise a 29-bit id by its eight digits."""
     page_of_frame: dict[tuple[str, str], str] = {}

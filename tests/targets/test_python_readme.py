@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from canwright.model.message import Direction
 from canwright.project.loader import specification
+from canwright.semantics.exchange import is_read
 from canwright.targets.base import EditionInput
-from canwright.targets.python.client_facts import is_read
 from canwright.targets.python.examples import Example, example
 from canwright.targets.python.text import class_name
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import warnings
 from collections import Counter
 from collections.abc import Iterator
@@ -250,3 +251,80 @@ commands:
         lamp.flush(clock.now)
     assert {bytes(message.data).hex() for message in bus.sent} == {"1000340000000000"}
     assert len(bus.sent) in (10, 11)
+
+
+def test_settings_are_stored_and_restored(package: dict[str, ModuleType], buses: Buses) -> None:
+    """A dump, as JSON, makes another node the same: only what differs is written, and read back."""
+    old, nodes = _nodes(package, "v2_35")
+    gains = {"angle_kp": 80, "angle_ki": 40, "speed_kp": 50, "speed_ki": 20, "iq_kp": 60, "iq_ki": 30}
+    simulation = package["simulation"].Simulation(buses[1], nodes)
+    simulation[1].values |= gains | {"acceleration": 800}
+    simulation[2].values |= gains | {"iq_ki": 31}
+    done: list[type] = []
+
+    def note(node: Any, request: Any) -> bool:
+        done.append(type(request))
+        return True
+
+    for number in (1, 2):
+        simulation[number].behaviour.command = note
+    with simulation, package["client"].Client(buses[0], nodes, timeout=1) as client:
+        with pytest.raises(ValueError, match=r"node=None is none of this client; give one of \[1, 2, 3, 4\]"):
+            client.dump()
+        settings = json.loads(json.dumps(client.dump(1)))
+        assert settings == gains | {"acceleration": 800}
+        assert package["client"].differences(settings, client.dump(2)) == {"acceleration": (800, 0), "iq_ki": (30, 31)}
+        done.clear()
+        with pytest.raises(package["client"].ConsentError, match=r'The ROM|ROM.* write request\(..., allow="wear"\)'):
+            client.restore({"iq_ki": 30}, 2, kept="rom")
+        with pytest.raises(ValueError, match="no request that writes acceleration with kept='rom'"):
+            client.restore(settings, 2, kept="rom", allow="wear")
+        with pytest.raises(ValueError, match=r"Node\(v2.35, 2\) has no settings iq_kd, voltage"):
+            client.restore({"voltage": 48, "iq_kd": 1}, 2)
+        assert not [kind for kind in done if "Write" in kind.__name__]
+        done.clear()
+        assert client.restore(settings, 2) == {"iq_ki": (31, 30), "acceleration": (0, 800)}
+        writes = [old.WritePidRamRequest, old.WriteAccelerationRamRequest]
+        read_back = {old.ReadPidRequest, old.ReadAccelerationRequest}
+        assert (done[2:4], {*done[4:]}) == (writes, read_back)
+        done.clear()
+        assert client.restore(settings, 2) == {}
+        assert {*done} == read_back
+
+        def forget(node: Any, request: Any) -> bool:
+            if isinstance(request, old.ReadPidRequest):
+                node.values["iq_ki"] = 29
+            return True
+
+        simulation[2].behaviour.command = forget
+        with pytest.raises(package["client"].NotWritten, match=r"iq_ki of Node\(v2.35, 2\) is 29 after 5 was written"):
+            client.restore({"iq_ki": 5}, 2)
+
+
+def test_a_node_keeps_what_is_written_as_its_effects_say(package: dict[str, ModuleType], buses: Buses) -> None:
+    new, nodes = _nodes(package, "v2_36_2025_03")
+    simulation = package["simulation"].Simulation(buses[1], nodes, temperature=30)
+    node, name = simulation[1], "stored_settings.max_speed"
+    with simulation, package["client"].Client(buses[0], nodes, timeout=1) as client:
+        first = client.dump(1)
+        assert len([*first]) > 20
+        wanted = first | {name: 500, "control_parameters.max_speed": 400}
+        assert client.restore(wanted, 1) == {name: (0, 500), "control_parameters.max_speed": (0, 400)}
+        node.power_on()
+        assert client.dump(1) == first
+        client.restore({name: 500}, 1, kept="staged")
+        client.request(new.SaveStoredSettingsRequest(node=1), allow="wear")
+        client.restore({name: 600}, 1)
+        assert client.dump(1)[name] == 600
+        node.power_on()
+        assert (client.dump(1)[name], node.values["temperature"]) == (500, 30)
+        with pytest.raises(package["client"].ConsentError, match="another id"):
+            client.restore({"stored_settings.driver_id": 2, name: 700}, 1)
+        assert client.dump(1)[name] == 500
+    old, nodes = _nodes(package, "v2_35")
+    simulated = package["simulation"].SimulatedNode(nodes[0])
+    simulated.answer(nodes[0].make(old.WritePidRomRequest, **dict.fromkeys(old.WritePidRomRequest.VARIABLES, 9)))
+    simulated.answer(nodes[0].make(old.WriteAccelerationRamRequest, acceleration=7))
+    assert (simulated.values["iq_ki"], simulated.values["acceleration"]) == (9, 7)
+    simulated.power_on()
+    assert (simulated.values["iq_ki"], simulated.values.get("acceleration")) == (9, None)

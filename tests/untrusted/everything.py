@@ -39,7 +39,7 @@ parameters:
   bits: {values: [14, 15]}
   host_id: {number: {max: 9}}
 settings: {limit: {only: {size: [small]}}}
-effects: {glows: {level: note}, heats: {level: warning, repeat: never}, burns: {level: danger, consent: wear}}
+effects: {glows: {level: note}, heats: {level: warning, repeat: never}, burns: {level: danger, consent: wear, kept: rom}}
 states: {bright: {entered_by: [dim]}, dark: {entered_by: [turn], prevents: [glows]}}
 types:
   level: {raw: u16, unit: "%", scale: {by: size, small: 0.1, big: none}, raw_range: 0..1000}

@@ -5,7 +5,7 @@ import { createEdition } from "../canwright-codec.js";
 const edition = /* @__PURE__ */ createEdition({
   family: "mwd_motor",
   edition: "v2.35",
-  hash: "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13",
+  hash: "5c7ed0b6944b5d1ae0025b37f208b650c9d57819004f5da8fff3eb95aff07168",
   replyWithin: 0.25,
   parameters: {
     series: { values: ["MS", "MF", "MH", "MG"] },

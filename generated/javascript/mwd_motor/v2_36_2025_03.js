@@ -5,7 +5,7 @@ import { createEdition } from "../canwright-codec.js";
 const edition = /* @__PURE__ */ createEdition({
   family: "mwd_motor",
   edition: "v2.36-2025-03",
-  hash: "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf",
+  hash: "48ad4f9f8532c0b937e57e55e0e3f16ab19eb4ad9bf7484be4bbfd9b400bf070",
   replyWithin: 0.25,
   parameters: {
     series: { values: ["MS", "MF", "MH", "MG"] },

@@ -89,6 +89,13 @@ export const TEXTS = {
         zh: "\u5199\u5165 ROM\uff0c\u65ad\u7535\u4fdd\u7559",
       },
     },
+    saves: {
+      level: "warning",
+      title: {
+        en: "Settings written before are stored in ROM, kept at power-off",
+        zh: "\u6b64\u524d\u5199\u5165\u7684\u8bbe\u5b9a\u53c2\u6570\u5b58\u5165 ROM\uff0c\u65ad\u7535\u4fdd\u7559",
+      },
+    },
     wears_rom: {
       level: "warning",
       title: {
@@ -622,7 +629,7 @@ export const TEXTS = {
       code: 68,
       title: { en: "Save stored settings", zh: "\u4fdd\u5b58\u8bbe\u5b9a\u53c2\u6570" },
       manual: "28",
-      effects: { writes_rom: {}, wears_rom: {}, needs_power_cycle: {} },
+      effects: { saves: {}, wears_rom: {}, needs_power_cycle: {} },
     },
   },
   layouts: [

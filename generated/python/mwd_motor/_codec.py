@@ -1339,10 +1339,12 @@ class Request(Message, Generic[R]):
 class ClientFacts(NamedTuple):
     """What a client and a simulation know of an edition besides its frames."""
 
-    effects: Mapping[str, tuple[str, str, bool]]
-    """Title and consent of each effect, and whether a command with it can be sent again."""
+    effects: Mapping[str, tuple[str, str, bool, str]]
+    """Title and consent of each effect, whether a command with it can be sent again, and how long what it writes is kept."""
     reads: tuple[type[Request[Any]], ...]
     """Requests without values and effects, each with one reply from its node."""
+    settings: Mapping[type[Request[Any]], Mapping[str, type[Request[Any]]]]
+    """The reads of what can be written, and the requests that write it, by how long the node keeps it."""
     ends_motion: Mapping[str, type[Request[Any]]]
     """The requests that `stop` a node and `switch_off` one."""
     states: Mapping[str, tuple[tuple[type[Request[Any]], ...], tuple[str, ...], Mapping[str, int]]]

@@ -8,7 +8,7 @@ import threading
 import time
 import warnings
 from collections import deque
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import can
@@ -69,6 +69,16 @@ class AsyncClient(ClientCore):
     async def send(self, request: Request[Any], *, allow: str = "") -> None:
         """Sends a request that nodes do not answer. Raises ClientError."""
         await self._drive(self._send_steps(request, allow))
+
+    async def dump(self, node: int | None = None) -> dict[str, Any]:
+        """The settings of a node, as `Client.dump`."""
+        return await self._drive(self._dump_steps(node))
+
+    async def restore(
+        self, settings: Mapping[str, Any], node: int | None = None, *, kept: str = "", allow: str = ""
+    ) -> dict[str, tuple[Any, Any]]:
+        """Writes those settings that differ in a node, as `Client.restore`."""
+        return await self._drive(self._restore_steps(settings, node, kept, allow))
 
     async def every(self, rate: float) -> AsyncIterator[int]:
         """The number of each period, as `Client.every`."""

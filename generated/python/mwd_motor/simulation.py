@@ -83,7 +83,8 @@ class SimulatedNode:
         self.behaviour = behaviour or Behaviour()
         self.values: dict[str, Any] = {}
         self.state = ""
-        self._first = values
+        self._kept = values
+        self._staged: dict[str, Any] = {}
         self._numbering = Numbering()
         self.power_on()
 
@@ -91,8 +92,9 @@ class SimulatedNode:
         return f"SimulatedNode({self.node!r}, state={self.state!r}, values={self.values!r})"
 
     def power_on(self) -> None:
-        """Starts again: with the first values, in the state after power-up."""
-        self.values = dict(self._first)
+        """Starts again: with the first values and those that are kept after power-off, in the state after power-up."""
+        self.values = dict(self._kept)
+        self._staged.clear()
         self._enter(next(iter(self.node.edition.client_facts.states), ""))
 
     def _enter(self, state: str) -> None:
@@ -128,9 +130,20 @@ class SimulatedNode:
         return self._frames((kind,), None)
 
     def _store(self, request: Request[Any]) -> None:
-        for name, variable in request.VARIABLES.items():
-            if name in request.fields() and request.raw()[name] not in request.EXEMPT.get(name, {}):
-                self.values[variable] = _value(request, name)
+        written = {
+            variable: _value(request, name)
+            for name, variable in request.VARIABLES.items()
+            if name in request.fields() and request.raw()[name] not in request.EXEMPT.get(name, {})
+        }
+        self.values |= written
+        effects = self.node.edition.client_facts.effects
+        kept = {effects[name][3] for name in effects_of(request)}
+        if "staged" in kept:
+            self._staged |= written
+        if "rom" in kept:
+            self._kept |= written
+        if "saved" in kept:
+            self._kept |= self._staged
 
     def _frames(self, kinds: Iterable[type[Message]], request: Request[Any] | None) -> list[Message]:
         frames: list[Message] = []

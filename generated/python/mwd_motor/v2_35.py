@@ -141,7 +141,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.35"
-SPEC_HASH = "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13"
+SPEC_HASH = "5c7ed0b6944b5d1ae0025b37f208b650c9d57819004f5da8fff3eb95aff07168"
 
 
 class Series(str, Enum):
@@ -2757,20 +2757,20 @@ AnyReply: TypeAlias = Union[
 
 client_facts = ClientFacts(
     {
-        "moves": ("The motor moves", "motion", True),
-        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False),
-        "stops": ("The motor stops", "none", True),
-        "clears_turns": ("The counted turns are cleared", "none", True),
-        "clears_commands": ("Commands received before are discarded", "none", True),
-        "clears_position_commands": ("The data of all position commands is cleared", "none", True),
-        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True),
-        "sets_zero": ("The zero of the angle changes", "none", False),
-        "writes_ram": ("Not kept at power-off", "none", True),
-        "writes_rom": ("Stored in ROM, kept at power-off", "none", True),
-        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False),
-        "needs_power_cycle": ("Takes effect after a power cycle", "none", True),
-        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True),
-        "led_steady": ("LED changes from a slow blink to steady", "none", True),
+        "moves": ("The motor moves", "motion", True, ""),
+        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False, ""),
+        "stops": ("The motor stops", "none", True, ""),
+        "clears_turns": ("The counted turns are cleared", "none", True, ""),
+        "clears_commands": ("Commands received before are discarded", "none", True, ""),
+        "clears_position_commands": ("The data of all position commands is cleared", "none", True, ""),
+        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True, ""),
+        "sets_zero": ("The zero of the angle changes", "none", False, ""),
+        "writes_ram": ("Not kept at power-off", "none", True, "ram"),
+        "writes_rom": ("Stored in ROM, kept at power-off", "none", True, "rom"),
+        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False, ""),
+        "needs_power_cycle": ("Takes effect after a power cycle", "none", True, ""),
+        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True, ""),
+        "led_steady": ("LED changes from a slow blink to steady", "none", True, ""),
     },
     (
         ReadPidRequest,
@@ -2782,6 +2782,10 @@ client_facts = ClientFacts(
         ReadStatus2Request,
         ReadStatus3Request,
     ),
+    {
+        ReadPidRequest: {"ram": WritePidRamRequest, "rom": WritePidRomRequest},
+        ReadAccelerationRequest: {"ram": WriteAccelerationRamRequest},
+    },
     {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
     {"on": ((MotorOnRequest,), (), {}), "off": ((MotorOffRequest,), ("moves",), {})},
     (),

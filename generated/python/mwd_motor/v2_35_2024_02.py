@@ -148,7 +148,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.35-2024-02"
-SPEC_HASH = "50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5"
+SPEC_HASH = "11ec8091dc8d24f77acfeeb5b741fd4a39edc4023ebaa22d44939eed44dba516"
 
 
 class Series(str, Enum):
@@ -2969,20 +2969,20 @@ AnyReply: TypeAlias = Union[
 
 client_facts = ClientFacts(
     {
-        "moves": ("The motor moves", "motion", True),
-        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False),
-        "switches_brake": ("The brake is locked or released", "motion", True),
-        "stops": ("The motor stops", "none", True),
-        "clears_turns": ("The counted turns are cleared", "none", True),
-        "clears_commands": ("Commands received before are discarded", "none", True),
-        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True),
-        "sets_zero": ("The zero of the angle changes", "none", False),
-        "writes_ram": ("Not kept at power-off", "none", True),
-        "writes_rom": ("Stored in ROM, kept at power-off", "none", True),
-        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False),
-        "needs_power_cycle": ("Takes effect after a power cycle", "none", True),
-        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True),
-        "led_steady": ("LED changes from a slow blink to steady", "none", True),
+        "moves": ("The motor moves", "motion", True, ""),
+        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False, ""),
+        "switches_brake": ("The brake is locked or released", "motion", True, ""),
+        "stops": ("The motor stops", "none", True, ""),
+        "clears_turns": ("The counted turns are cleared", "none", True, ""),
+        "clears_commands": ("Commands received before are discarded", "none", True, ""),
+        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True, ""),
+        "sets_zero": ("The zero of the angle changes", "none", False, ""),
+        "writes_ram": ("Not kept at power-off", "none", True, "ram"),
+        "writes_rom": ("Stored in ROM, kept at power-off", "none", True, "rom"),
+        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False, ""),
+        "needs_power_cycle": ("Takes effect after a power cycle", "none", True, ""),
+        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True, ""),
+        "led_steady": ("LED changes from a slow blink to steady", "none", True, ""),
     },
     (
         ReadEncoderRequest,
@@ -2995,6 +2995,11 @@ client_facts = ClientFacts(
         ReadControlParameterAccelerationLimitRequest,
         ReadControlParameterSpeedLimitRequest,
     ),
+    {
+        ReadControlParameterTorqueLimitRequest: {"ram": WriteControlParameterRamTorqueLimitRequest},
+        ReadControlParameterAccelerationLimitRequest: {"ram": WriteControlParameterRamAccelerationLimitRequest},
+        ReadControlParameterSpeedLimitRequest: {"ram": WriteControlParameterRamSpeedLimitRequest},
+    },
     {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
     {"on": ((MotorOnRequest,), (), {"motor_state": 0}), "off": ((MotorOffRequest,), ("moves",), {"motor_state": 16})},
     (),

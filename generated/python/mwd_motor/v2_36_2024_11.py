@@ -166,7 +166,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2024-11"
-SPEC_HASH = "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a"
+SPEC_HASH = "29c30f9de6b1688985551ad4aaa204d05cceb815c7b5a2beb3b1fc1ad2bd4f05"
 
 
 class Series(str, Enum):
@@ -3497,20 +3497,20 @@ AnyReply: TypeAlias = Union[
 
 client_facts = ClientFacts(
     {
-        "moves": ("The motor moves", "motion", True),
-        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False),
-        "switches_brake": ("The brake is locked or released", "motion", True),
-        "stops": ("The motor stops", "none", True),
-        "clears_turns": ("The counted turns are cleared", "none", True),
-        "clears_commands": ("Commands received before are discarded", "none", True),
-        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True),
-        "sets_zero": ("The zero of the angle changes", "none", False),
-        "writes_ram": ("Not kept at power-off", "none", True),
-        "writes_rom": ("Stored in ROM, kept at power-off", "none", True),
-        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False),
-        "needs_power_cycle": ("Takes effect after a power cycle", "none", True),
-        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True),
-        "led_steady": ("LED changes from a slow blink to steady", "none", True),
+        "moves": ("The motor moves", "motion", True, ""),
+        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False, ""),
+        "switches_brake": ("The brake is locked or released", "motion", True, ""),
+        "stops": ("The motor stops", "none", True, ""),
+        "clears_turns": ("The counted turns are cleared", "none", True, ""),
+        "clears_commands": ("Commands received before are discarded", "none", True, ""),
+        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True, ""),
+        "sets_zero": ("The zero of the angle changes", "none", False, ""),
+        "writes_ram": ("Not kept at power-off", "none", True, "ram"),
+        "writes_rom": ("Stored in ROM, kept at power-off", "none", True, "rom"),
+        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False, ""),
+        "needs_power_cycle": ("Takes effect after a power cycle", "none", True, ""),
+        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True, ""),
+        "led_steady": ("LED changes from a slow blink to steady", "none", True, ""),
     },
     (
         ReadEncoderRequest,
@@ -3528,6 +3528,16 @@ client_facts = ClientFacts(
         ReadControlParameterCurrentRampRequest,
         ReadControlParameterSpeedRampRequest,
     ),
+    {
+        ReadControlParameterAnglePidRequest: {"ram": WriteControlParameterRamAnglePidRequest},
+        ReadControlParameterSpeedPidRequest: {"ram": WriteControlParameterRamSpeedPidRequest},
+        ReadControlParameterCurrentPidRequest: {"ram": WriteControlParameterRamCurrentPidRequest},
+        ReadControlParameterMaxTorqueCurrentRequest: {"ram": WriteControlParameterRamMaxTorqueCurrentRequest},
+        ReadControlParameterMaxSpeedRequest: {"ram": WriteControlParameterRamMaxSpeedRequest},
+        ReadControlParameterMaxAngleRequest: {"ram": WriteControlParameterRamMaxAngleRequest},
+        ReadControlParameterCurrentRampRequest: {"ram": WriteControlParameterRamCurrentRampRequest},
+        ReadControlParameterSpeedRampRequest: {"ram": WriteControlParameterRamSpeedRampRequest},
+    },
     {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
     {"on": ((MotorOnRequest,), (), {"motor_state": 0}), "off": ((MotorOffRequest,), ("moves",), {"motor_state": 16})},
     (),

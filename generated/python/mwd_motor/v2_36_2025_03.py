@@ -233,7 +233,7 @@ __all__ = [
 
 FAMILY = "mwd_motor"
 EDITION = "v2.36-2025-03"
-SPEC_HASH = "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf"
+SPEC_HASH = "48ad4f9f8532c0b937e57e55e0e3f16ab19eb4ad9bf7484be4bbfd9b400bf070"
 
 
 class Series(str, Enum):
@@ -3542,8 +3542,8 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
 
     Saves the written settings to ROM and reports the result. Manual 28, 保存设定参数命令.
 
-    Effects: Stored in ROM, kept at power-off. Frequent writes to the ROM shorten the life of the chip. Takes
-    effect after a power cycle.
+    Effects: Settings written before are stored in ROM, kept at power-off. Frequent writes to the ROM shorten
+    the life of the chip. Takes effect after a power cycle.
     """
 
     __slots__ = ()
@@ -3555,7 +3555,7 @@ class SaveStoredSettingsRequest(Request["SaveStoredSettingsReply"]):
     NODES = (1, 32)
     TITLE = "Save stored settings"
     MANUAL = "28"
-    EFFECTS = ("writes_rom", "wears_rom", "needs_power_cycle")
+    EFFECTS = ("saves", "wears_rom", "needs_power_cycle")
 
     __match_args__ = ()
     DEFAULTS = UNKNOWN
@@ -5407,22 +5407,23 @@ AnyReply: TypeAlias = Union[
 
 client_facts = ClientFacts(
     {
-        "moves": ("The motor moves", "motion", True),
-        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False),
-        "stops": ("The motor stops", "none", True),
-        "clears_turns": ("The counted turns are cleared", "none", True),
-        "clears_commands": ("Commands received before are discarded", "none", True),
-        "switches_brake": ("The brake is locked or released", "motion", True),
-        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True),
-        "sets_zero": ("The zero of the angle changes", "none", False),
-        "writes_ram": ("Not kept at power-off", "none", True),
-        "stages": ("Permanent only after the save command", "none", True),
-        "moves_contact": ("After it takes effect, the drive uses another id, bus or bit rate", "contact", True),
-        "writes_rom": ("Stored in ROM, kept at power-off", "none", True),
-        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False),
-        "needs_power_cycle": ("Takes effect after a power cycle", "none", True),
-        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True),
-        "led_steady": ("LED changes from a slow blink to steady", "none", True),
+        "moves": ("The motor moves", "motion", True, ""),
+        "adds_up": ("Each frame is another increment, so a repeated frame moves the motor again", "none", False, ""),
+        "stops": ("The motor stops", "none", True, ""),
+        "clears_turns": ("The counted turns are cleared", "none", True, ""),
+        "clears_commands": ("Commands received before are discarded", "none", True, ""),
+        "switches_brake": ("The brake is locked or released", "motion", True, ""),
+        "clears_errors": ("Error flags whose causes are gone are cleared", "none", True, ""),
+        "sets_zero": ("The zero of the angle changes", "none", False, ""),
+        "writes_ram": ("Not kept at power-off", "none", True, "ram"),
+        "stages": ("Permanent only after the save command", "none", True, "staged"),
+        "moves_contact": ("After it takes effect, the drive uses another id, bus or bit rate", "contact", True, ""),
+        "writes_rom": ("Stored in ROM, kept at power-off", "none", True, "rom"),
+        "saves": ("Settings written before are stored in ROM, kept at power-off", "none", True, "saved"),
+        "wears_rom": ("Frequent writes to the ROM shorten the life of the chip", "wear", False, ""),
+        "needs_power_cycle": ("Takes effect after a power cycle", "none", True, ""),
+        "led_slow_blink": ("LED changes from steady to a slow blink", "none", True, ""),
+        "led_steady": ("LED changes from a slow blink to steady", "none", True, ""),
     },
     (
         ReadEncoderRequest,
@@ -5452,6 +5453,28 @@ client_facts = ClientFacts(
         ReadStoredSettingSpeedPidRequest,
         ReadStoredSettingCurrentPidRequest,
     ),
+    {
+        ReadControlParameterAnglePidRequest: {"ram": WriteControlParameterRamAnglePidRequest},
+        ReadControlParameterSpeedPidRequest: {"ram": WriteControlParameterRamSpeedPidRequest},
+        ReadControlParameterCurrentPidRequest: {"ram": WriteControlParameterRamCurrentPidRequest},
+        ReadControlParameterMaxTorqueCurrentRequest: {"ram": WriteControlParameterRamMaxTorqueCurrentRequest},
+        ReadControlParameterMaxSpeedRequest: {"ram": WriteControlParameterRamMaxSpeedRequest},
+        ReadControlParameterUpperAngleRequest: {"ram": WriteControlParameterRamUpperAngleRequest},
+        ReadControlParameterLowerAngleRequest: {"ram": WriteControlParameterRamLowerAngleRequest},
+        ReadControlParameterSpeedRampRequest: {"ram": WriteControlParameterRamSpeedRampRequest},
+        ReadStoredSettingDriverIdRequest: {"staged": StageStoredSettingDriverIdRequest},
+        ReadStoredSettingBusTypeRequest: {"staged": StageStoredSettingBusTypeRequest},
+        ReadStoredSettingRs485BaudRateRequest: {"staged": StageStoredSettingRs485BaudRateRequest},
+        ReadStoredSettingCanBaudRateRequest: {"staged": StageStoredSettingCanBaudRateRequest},
+        ReadStoredSettingMaxPowerRequest: {"staged": StageStoredSettingMaxPowerRequest},
+        ReadStoredSettingMaxSpeedRequest: {"staged": StageStoredSettingMaxSpeedRequest},
+        ReadStoredSettingMaxAngleRequest: {"staged": StageStoredSettingMaxAngleRequest},
+        ReadStoredSettingCurrentRampRequest: {"staged": StageStoredSettingCurrentRampRequest},
+        ReadStoredSettingSpeedRampRequest: {"staged": StageStoredSettingSpeedRampRequest},
+        ReadStoredSettingAnglePidRequest: {"staged": StageStoredSettingAnglePidRequest},
+        ReadStoredSettingSpeedPidRequest: {"staged": StageStoredSettingSpeedPidRequest},
+        ReadStoredSettingCurrentPidRequest: {"staged": StageStoredSettingCurrentPidRequest},
+    },
     {"switch_off": MotorOffRequest, "stop": MotorStopRequest},
     {"on": ((MotorOnRequest,), (), {"motor_state": 0}), "off": ((MotorOffRequest,), ("moves",), {"motor_state": 16})},
     (),

@@ -12,7 +12,6 @@ import click
 
 from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
-from ..recordings.packages import MissingPackageError, require
 from .common import stop
 
 if TYPE_CHECKING:
@@ -63,18 +62,9 @@ def _further(written: Sequence[str]) -> dict[str, str]:
     return further
 
 
-def require_python_can() -> None:
-    """Stops if python-can is not installed."""
-    try:
-        require("can", "python-can", "a bus")
-    except MissingPackageError as error:
-        stop(str(error))
-
-
 @contextlib.contextmanager
 def opened_bus(arguments: BusArguments) -> Iterator[can.BusABC]:
     """The bus; stops if it cannot be opened. Its own messages are not printed."""
-    require_python_can()
     import can
 
     logging.getLogger("can").setLevel(logging.CRITICAL + 1)

@@ -108,8 +108,9 @@ def _facts(command: Command, language: str) -> Iterator[RichText]:
     for effect in command.effects:
         consent = "" if effect.consent is Consent.NONE else f"; consent: {effect.consent.value}"
         repeat = "; never repeated" if effect.repeat is Repeat.NEVER else ""
+        kept = "" if effect.kept is None else f"; kept: {effect.kept.value}"
         text = formatting.effect(effect.title[language], command, effect)
-        yield RichText(f"{text}{consent}{repeat}", _STYLES[effect.level])
+        yield RichText(f"{text}{consent}{repeat}{kept}", _STYLES[effect.level])
     if command.repeat is not None:
         yield RichText(f"repeated after a missing reply: {command.repeat.value}")
     if command.ends_motion is not None:

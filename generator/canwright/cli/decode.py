@@ -7,7 +7,7 @@ import itertools
 import os
 import stat
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -38,7 +38,7 @@ from .common import FINDINGS, FilePath, read, spec_option, stop
 from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
 from .log_source import ended_by_interrupt, log_or_bus
-from .node_settings import bus_of, differences_option, direction_of, recorder_option
+from .node_settings import bus_of, differences_option, direction_of, recorder_option, split_option
 from .terminal import print_data, print_text, progress
 
 BLOCK = 500
@@ -146,6 +146,7 @@ class Outputs(NamedTuple):
     "--follow", "followed", is_flag=True, help="Wait for more lines at the end of the file, until Ctrl-C ends the log."
 )
 @differences_option
+@split_option
 @recorder_option
 @bus_options
 def decode(
@@ -161,6 +162,7 @@ def decode(
     window: float | None,
     followed: bool,
     has_differences: bool,
+    is_split: bool,
     recorder: str,
     bus_arguments: BusArguments,
 ) -> None:
@@ -196,7 +198,10 @@ def decode(
     if log is not None:
         _check_paths(log, outputs)
     try:
-        with log_or_bus(log, bus_arguments, is_followed=followed, has_differences=has_differences) as recording:
+        source = log_or_bus(
+            log, bus_arguments, is_followed=followed, has_differences=has_differences, is_split=is_split
+        )
+        with source as recording:
             _decode(recording, editions, set_, outputs, window, direction_of(recorder))
     except (LogError, MissingPackageError, OSError) as error:
         if isinstance(error, BrokenPipeError):  # of the standard output
@@ -307,7 +312,7 @@ def _print(
 def _identified(log: Log, editions: Sequence[Edition], recorder: Direction) -> Identifier:
     """All frames of a log in a file, with the editions that they fit."""
     identifiers = Identifiers(editions, recorder)
-    again = open_log(log.name, has_differences=log.has_differences)
+    again = open_log(log.name, has_differences=log.has_differences, is_split=log.is_split)
     with again as frames, progress("frames", shown=True) as advance:
         for number, frame in enumerate(frames):
             identifiers.add(frame)
@@ -379,12 +384,17 @@ def _write(
         if plot and picture and outputs.plot:
             remarks += [f"{outputs.plot}: no frame has a field {name}" for name in plot.missing]
             plot.save(picture, outputs.plot.suffix)
-    for bus, first in split.buses.items() if split else ():
-        name = f"of {bus_name(bus)} " if bus else ""
-        remarks.append(
-            f"{outputs.split}: requests {name}on channel {first}, replies on {first + 1}, others on {first + 2}"
-        )
+    if split:
+        remarks += _channels(split, outputs)
     return remarks
+
+
+def _channels(split: split_logs.SplitLog, outputs: Outputs) -> Iterator[str]:
+    """Remarks on the channels of a split log."""
+    for bus, first in split.buses.items():
+        name = f"of {bus_name(bus)} " if bus else ""
+        yield f"{outputs.split}: requests {name}on channel {first}, replies on {first + 1}, others on {first + 2}"
+    yield f"`canwright decode --from-split {outputs.split}` reads them again"
 
 
 def _emitter(outputs: Outputs, stack: contextlib.ExitStack) -> Callable[[str], object]:

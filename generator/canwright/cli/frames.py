@@ -57,8 +57,8 @@ def frames(spec: str, log: str | None, settings: Sequence[str], recorder: str) -
       canwright frames lamp.yaml --from bus.log
 
     Save the output as lamp.frames.yaml beside lamp.yaml, or append the entries to `frames:` of that file. With --from,
-    an entry has the bytes of the log and what the spec makes of them. It has no `source`, so each run counts it as
-    unreviewed: compare the values with what the device did, then name the source.
+    an entry has the bytes of the log, and what the spec makes of them as a comment only. It has no `source`, so each run
+    counts it as unreviewed: write the values that the device had, and name the source.
 
     Exit status: 0, or 1 if no entry is printed although golden frames are missing, 2 if it could not run.
     """
@@ -139,11 +139,13 @@ def _of_log(
         for directed in directions.classify(iter(recording)):
             message = directed.message
             if message is not None and message in messages and message not in seen:
-                text = golden_text(edition, message, directed.recorded.frame, given)
+                text = golden_text(edition, message, directed.recorded.frame, given, has_values=False)
                 if text:
                     seen[message] = text
     missing = [message.name for message in messages if message not in seen]
-    remarks = [f"{counted(len(seen), 'frame')} without a source, unreviewed: compare the values, then name the source"]
+    remarks = [
+        f"{counted(len(seen), 'frame')} without values and a source, unreviewed: write what the device had, and name the source"
+    ]
     remarks += (
         [f"not in the log, or dependent on a parameter that --set gives: {', '.join(missing)}"] if missing else []
     )

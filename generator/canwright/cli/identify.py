@@ -23,7 +23,7 @@ from .bus import BusArguments, bus_options
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import at_frame, node_names
 from .log_source import ended_by_interrupt, log_or_bus
-from .node_settings import differences_option, direction_of, recorder_option
+from .node_settings import differences_option, direction_of, recorder_option, split_option
 from .settings import assignment
 from .terminal import print_json, print_text
 
@@ -43,6 +43,7 @@ SHOWN = 4
     help="A parameter in ids or constants, of all nodes.",
 )
 @differences_option
+@split_option
 @recorder_option
 @bus_options
 def identify(
@@ -51,6 +52,7 @@ def identify(
     form: str,
     settings: Sequence[str],
     has_differences: bool,
+    is_split: bool,
     recorder: str,
     bus_arguments: BusArguments,
 ) -> None:
@@ -69,7 +71,7 @@ def identify(
     editions = [configured(item.edition, known) for item in specifications]
     identifiers = Identifiers(editions, direction_of(recorder))
     try:
-        source = log_or_bus(log, bus_arguments, has_differences=has_differences)
+        source = log_or_bus(log, bus_arguments, has_differences=has_differences, is_split=is_split)
         with source as read_log, ended_by_interrupt(read_log):
             for frame in read_log:
                 identifiers.add(frame)

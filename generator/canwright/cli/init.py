@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -12,6 +12,7 @@ import click
 from ..diagnostics.diagnostic import SpecError
 from ..language import notation
 from ..model.formatting import spoken
+from ..model.types import Order
 from ..project.golden_file import as_yaml
 from ..project.loader import frames_file, load
 from .common import SPEC_FOLDER, show_findings, stop, write_new_files
@@ -25,30 +26,30 @@ canwright: 1
 family: {family}
 edition: {edition}
 title: {title}
+byte_order: {byte_order}  # of all numbers; a type can have its own
 
 {parameters}# The CAN id of each node: requests go from the host to a node, replies from a node to the host.
 addresses:
   node: {{{address}}}
 
-# The position of the code that identifies a command{selector_note}.
-selector: {{at: {at}, raw: {width}}}
-
-# value = raw * scale + offset, in the unit. u16 is unsigned with 16 bits, i16 signed, f32 a float.
+{selector}# value = raw * scale + offset, in the unit. u16 is unsigned with 16 bits, i16 signed, f32 a float.
 types:
   speed: {{raw: i16, unit: rpm, scale: 0.1, raw_range: -30000..30000}}
   state: {{raw: u8, enum: {{idle: 0, running: 1, fault: 2}}}}
 
 # `at: 2` is byte 2 of the data, and `at: 2.3` its bit 3. Bits without a field are sent as 0.
 commands:
-  read_state:
-    code: {read}
-    reply:
-      state: {{at: 1, type: state}}
-      speed: {{at: 2, type: speed}}
-  set_speed:
-    code: {write}
-    request: {{speed: {{at: 2, type: speed}}}}
-    reply: echo  # the node sends the request back; `none` if it sends nothing
+{commands}"""
+
+_SELECTOR = """\
+# The position of the code that identifies a command{note}.
+selector: {{at: {at}, raw: {width}}}
+
+"""
+
+_NO_SELECTOR = """\
+# There is no code: the id identifies a command, so each further command needs an address of its own.
+
 """
 
 _FRAMES = """\
@@ -61,12 +62,47 @@ edition: {edition}
 sources:
   starter: Bytes of the starter of canwright. Replace them by examples of the manual.
 frames:
-  - {{request: read_state,{node} data: "{first} 00 00 00 00 00 00 00", source: starter}}
-  - {{reply: read_state,{reply_node} data: "{first} 01 D4 FE 00 00 00 00", values: {{state: running, speed: -30}}, source: starter}}
-  - {{request: set_speed,{node} data: "{second} 00 2C 01 00 00 00 00", values: {{speed: 30}}, source: starter}}
-  - {{reply: set_speed,{reply_node} data: "{second} 00 2C 01 00 00 00 00", values: {{speed: 30}}, source: starter}}
+{frames}"""
+
+_COMMANDS = {
+    "read_state": """\
+    reply:
+      state: {at: 1, type: state}
+      speed: {at: 2, type: speed}
+""",
+    "set_speed": """\
+    request: {speed: {at: 2, type: speed}}
+    reply: echo  # the node sends the request back; `none` if it sends nothing
+""",
+    "state": """\
+    request: none  # nodes send it by themselves
+    reply:
+      every_ms: 100
+      fields:
+        state: {at: 1, type: state}
+        speed: {at: 2, type: speed}
+""",
+    "speed_limit": """\
+    request: none
+    reply: {speed: {at: 2, type: speed}}
+""",
+}
+"""The commands of starters by name, without their codes."""
+
+_Bytes = Mapping[str, str]
+_ZERO: _Bytes = {"little": "00 00 00 00 00 00 00", "big": "00 00 00 00 00 00 00"}
+_RUNNING: _Bytes = {"little": "01 D4 FE 00 00 00 00", "big": "01 FE D4 00 00 00 00"}
+_SPEED: _Bytes = {"little": "00 2C 01 00 00 00 00", "big": "00 01 2C 00 00 00 00"}
+_EXAMPLES: Mapping[str, Sequence[tuple[str, _Bytes, str]]] = {
+    "read_state": (("request", _ZERO, ""), ("reply", _RUNNING, " values: {state: running, speed: -30},")),
+    "set_speed": (("request", _SPEED, " values: {speed: 30},"), ("reply", _SPEED, " values: {speed: 30},")),
+    "state": (("reply", _RUNNING, " values: {state: running, speed: -30},"),),
+    "speed_limit": (("reply", _SPEED, " values: {speed: 30},"),),
+}
+"""The golden frames of each command: direction, bytes after byte 0 in each byte order, values.
+
+The bytes are written by hand: they prove that the starter is correct.
 """
-"""The bytes are written by hand: they prove that the starter is correct."""
 
 
 @click.command()
@@ -78,10 +114,18 @@ frames:
 @click.option("--extended", is_flag=True, help="The ids have 29 bits instead of 11.")
 @click.option(
     "--code",
-    type=click.Choice(["data", "id"]),
+    type=click.Choice(["data", "id", "none"]),
     default="data",
     show_default=True,
-    help="Where the command code is: in byte 0 of the data, or in the id, so that each command has its own.",
+    help="Where the command code is: in byte 0 of the data, in the id, so that each command has its own, or nowhere.",
+)
+@click.option("--broadcast", is_flag=True, help="Nodes send frames without a request, such as a status every 100 ms.")
+@click.option(
+    "--byte-order",
+    type=click.Choice([order.value for order in Order]),
+    default=Order.LITTLE.value,
+    show_default=True,
+    help="Whether the low or the high byte of a number is sent first.",
 )
 @click.option("--folder", type=click.Path(path_type=Path), help="The folder for both files.  [default: spec/FAMILY]")
 def init(
@@ -92,6 +136,8 @@ def init(
     nodes: str,
     extended: bool,
     code: str,
+    broadcast: bool,
+    byte_order: str,
     folder: Path | None,
 ) -> None:
     """Start the spec of a new protocol FAMILY, with golden frames.
@@ -101,16 +147,20 @@ def init(
       canwright init pump --id '0x600 + node' --reply-id '0x580 + node' --nodes 1..127
       canwright init axis --code id --id 'node << 5' --nodes 0..62
       canwright init arm --id node --reply-id master_id --nodes 1..8
+      canwright init battery --code none --broadcast --id '0x180 + node' --byte-order big
 
-    It writes FAMILY/EDITION.yaml and its golden frames to spec/, with two commands as examples. Both are valid:
-    `canwright generate` works at once. A name in a rule is a setting of the device. Replace the examples by the facts of the manual. A rule without `node` is one id
-    for all. With --code id, the lowest bits of the id are the code, as many as the rule leaves free: 5 for 'node << 5'.
+    It writes FAMILY/EDITION.yaml and its golden frames to spec/, with one or two commands as examples. Both files are valid:
+    `canwright generate` works at once. Replace the examples by the facts of the manual. A name in a rule is a setting of the device. A rule without `node` is one id
+    for all. With --code id, the lowest bits of the id are the code, as many as the rule leaves free: 5 for 'node << 5'. With --code none,
+    the id identifies a command.
 
     Exit status: 0, or 2 if nothing was written: a file exists, or an option does not fit.
     """
     fits("family", family)
     fits("edition", edition)
-    rule = id_rule or ("0x100 + node" if code == "data" else "node << 5")
+    if broadcast and reply_id:
+        stop("--broadcast: nodes send frames with the id of --id; remove --reply-id")
+    rule = id_rule or ("node << 5" if code == "id" else "0x100 + node")
     target = (folder or SPEC_FOLDER / family) / f"{edition}.yaml"
     reply_rule = reply_id or rule
     first_node = f" node: {nodes.partition('..')[0]},"
@@ -118,22 +168,31 @@ def init(
     bits = _code_bits(rule, reply_id, extended=extended) if code == "id" else 8
     settings = dict.fromkeys(filter(None, map(_setting, (rule, reply_rule))))
     ids = f"request: {rule}, reply: {reply_id}" if reply_id else f"id: {rule}"
+    commands = (("state", "speed_limit") if broadcast else ("read_state", "set_speed"))[: 1 if code == "none" else 2]
+    entry = {
+        "request": first_node * ("node" in rule) + _known(settings, rule),
+        "reply": first_node * ("node" in reply_rule) + _known(settings, reply_rule),
+    }
+    position = {"data": {"note": "", "at": "0"}, "id": {"note": ": the lowest bits of the id", "at": "id.0"}}
     facts = {
         "file": target.as_posix(),
         "family": family,
         "edition": as_yaml(edition),
         "title": as_yaml(family.replace("_", " ").capitalize()),
         "address": ids + f", nodes: {nodes}" * has_node + ", extended: true" * extended,
-        "selector_note": "" if code == "data" else ": the lowest bits of the id",
-        "at": "0" if code == "data" else "id.0",
-        "width": f"u{bits}",
-        "read": "0x01",
-        "write": "0x02",
-        "first": "01" if code == "data" else "00",
-        "second": "02" if code == "data" else "00",
+        "byte_order": byte_order,
         "parameters": _parameters(settings),
-        "node": first_node * ("node" in rule) + _known(settings, rule),
-        "reply_node": first_node * ("node" in reply_rule) + _known(settings, reply_rule),
+        "selector": _NO_SELECTOR if code == "none" else _SELECTOR.format(**position[code], width=f"u{bits}"),
+        "commands": "".join(
+            f"  {name}:\n" + f"    code: 0x{number:02X}\n" * (code != "none") + _COMMANDS[name]
+            for number, name in enumerate(commands, start=1)
+        ),
+        "frames": "".join(
+            f"  - {{{direction}: {name},{entry[direction]} "
+            f'data: "{number if code == "data" else 0:02X} {data[byte_order]}",{values} source: starter}}\n'
+            for number, name in enumerate(commands, start=1)
+            for direction, data, values in _EXAMPLES[name]
+        ),
     }
     texts = {target: _SPEC.format(**facts), frames_file(target): _FRAMES.format(**facts)}
     _check(texts, target)

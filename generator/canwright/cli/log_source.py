@@ -15,16 +15,22 @@ from .bus import EXAMPLE, BusArguments, opened_bus
 
 @contextlib.contextmanager
 def log_or_bus(
-    log: str | None, bus_arguments: BusArguments, *, is_followed: bool = False, has_differences: bool = False
+    log: str | None,
+    bus_arguments: BusArguments,
+    *,
+    is_followed: bool = False,
+    has_differences: bool = False,
+    is_split: bool = False,
 ) -> Iterator[Log]:
     """The log with this name; without one, the bus. Raises OSError."""
     if (log is None) != bool(bus_arguments):
         raise click.UsageError(f"give either LOG or a bus, such as {EXAMPLE}")
     if log is not None:
-        with open_log(log, is_followed=is_followed, has_differences=has_differences) as recording:
+        opened = open_log(log, is_followed=is_followed, has_differences=has_differences, is_split=is_split)
+        with opened as recording:
             yield recording
-    elif is_followed or has_differences:
-        raise click.UsageError("--follow and --time-differences are for logs, not for a bus")
+    elif is_followed or has_differences or is_split:
+        raise click.UsageError("--follow, --time-differences and --from-split are for logs, not for a bus")
     else:
         with opened_bus(bus_arguments) as bus:
             yield BusLog(bus)

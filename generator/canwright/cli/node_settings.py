@@ -30,6 +30,13 @@ differences_option = click.option(
     "later one is smaller than the one before.",
 )
 
+split_option = click.option(
+    "--from-split",
+    "is_split",
+    is_flag=True,
+    help="LOG is a file of `decode --split`: its channels 1 to 3 are bus 1, 4 to 6 bus 2.",
+)
+
 
 def direction_of(recorder: str) -> Direction:
     """The direction of the frames that a recorder sends."""

@@ -18,7 +18,6 @@ from ..semantics.frame import CanFrame
 from ..targets.base import EditionInput
 from ..targets.python.target import TARGET
 from ..targets.python.text import class_name
-from .bus import require_python_can
 from .common import stop
 
 
@@ -34,7 +33,6 @@ class PythonPackage:
     """The modules of the package, and the parameters of the nodes of a bus."""
 
     def __init__(self, specification: EditionInput, given: Assignment) -> None:
-        require_python_can()
         edition = specification.edition
         names = (edition.identifier, "nodes", "client", "simulation")
         with tempfile.TemporaryDirectory(prefix="canwright-") as folder:

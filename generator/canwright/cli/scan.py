@@ -19,8 +19,9 @@ from ..recordings.explain import meanings
 from ..recordings.log_frame import Counts, LogFrame, Mark
 from ..recordings.nodes import Identifiers
 from ..semantics.configured import configured
+from ..semantics.exchange import is_read
 from ..semantics.frame import CanFrame
-from ..targets.python.client_facts import is_read, replies_differ
+from ..targets.python.client_facts import replies_differ
 from ..targets.python.runtime.exchange import Copies
 from ..targets.selected_nodes import selected_nodes
 from .bus import BusArguments, bus_options, errors_of_use, lost, opened_bus, returns_own_frames

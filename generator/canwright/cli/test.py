@@ -37,7 +37,7 @@ def test(specs: Sequence[Path], targets: Sequence[str], printer: str) -> None:
     with the DBC files, and by the C headers. What must be rejected is asked for, too. Golden frames without a source
     are counted, but not asked. The code is generated in a temporary folder.
 
-    DBC needs `pip install cantools`; C needs a compiler: that in CC, or cc, gcc, clang, tcc or zig.
+    C needs a compiler: that in CC, or cc, gcc, clang, tcc or zig.
 
     \b
       canwright test

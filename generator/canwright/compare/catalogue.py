@@ -180,6 +180,11 @@ _VALUE = (
         "A command with an effect can be repeated, or no longer can.",
         "a command with `{name}` is repeated: {new} (was {old})",
     ),
+    (
+        "kept-changed",
+        "A node keeps what a command with an effect writes for another time.",
+        "what a command with `{name}` writes is kept: {new} (was {old})",
+    ),
     ("repeat-changed", "A command can be repeated, or no longer can.", "the command is repeated: {new} (was {old})"),
     (
         "ends-motion-changed",
@@ -315,6 +320,7 @@ _WITHOUT_WITNESS = {
     "repeat-changed": "effects",
     "effects-changed": "effects",
     "implemented-changed": "effects",
+    "kept-changed": "effects",
     "limits-changed": "effects",
     "member-effects-changed": "effects",
     "variable-changed": "effects",

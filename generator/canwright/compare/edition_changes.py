@@ -94,6 +94,12 @@ _OF_SENDING_WITH_EFFECT = (
         lambda e: Keyword(e.repeat.value),
         impact=lambda _, new: Impact.SILENT if new.repeat is Repeat.NEVER else Impact.SAFE,
     ),
+    Attribute[Effect](
+        "kept-changed",
+        "kept",
+        lambda e: Keyword(e.kept.value if e.kept else "unknown"),
+        impact=lambda _, new: Impact.SILENT if new.kept else Impact.SAFE,
+    ),
 )
 _OF_SETTING = (Attribute[Setting]("setting-scope-changed", "only", lambda s: scope(s.only)),)
 _OF_STATE = (

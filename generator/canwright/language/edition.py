@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 
 from ..model.layout import MAX_DATA_BYTES
 from ..model.message import Direction
-from ..model.metadata import Consent, FrameFormat, Level, Repeat
+from ..model.metadata import Consent, FrameFormat, Kept, Level, Repeat
 from ..model.types import Order
 from .checksum import ChecksumSpec as ChecksumSpec
 from .concept import Concept as Concept, Defines, Doc, JsonSchema, Limits, Problem, Ref, keys as keys
@@ -226,6 +226,13 @@ class EffectSpec(Description):
             "this case, a client `never` repeats a command with this effect."
         ),
     ] = Repeat.SAME
+    kept: Annotated[
+        Kept | None,
+        Doc(
+            "How long the node keeps what a command with this effect writes: `ram` until power-off, `rom` after it, too, `staged` "
+            "until power-off unless another command saves it, whose effect is `saved`."
+        ),
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)

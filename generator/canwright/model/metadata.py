@@ -39,6 +39,19 @@ class Repeat(str, Enum):
     """Something else, or that is unknown."""
 
 
+class Kept(str, Enum):
+    """How long a node keeps what a command writes."""
+
+    RAM = "ram"
+    """Until power-off."""
+    ROM = "rom"
+    """After power-off, too."""
+    STAGED = "staged"
+    """As `RAM`, until a command saves it."""
+    SAVED = "saved"
+    """What was staged before is kept after power-off from now on."""
+
+
 class EndsMotion(str, Enum):
     """How a command ends the motion of a node."""
 
@@ -80,6 +93,8 @@ class Effect:
     level: Level
     consent: Consent
     repeat: Repeat
+    kept: Kept | None
+    """None if a command with this effect writes nothing, or how long it is kept is unknown."""
     title: Text
     about: Text
 

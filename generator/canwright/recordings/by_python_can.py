@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     import can
     from can.io.generic import MessageReader
 
-_PYTHON_CAN = {"can": "python-can"}
-_NEEDED = {"mf4": {**_PYTHON_CAN, "asammdf": "asammdf"}}
-"""The packages that read a form, and their names for pip, where it is not python-can alone."""
 _FIRST_BUS = {"blf": 1}
 """What python-can subtracts from the number of a channel in a file."""
 
@@ -66,8 +63,8 @@ def _silent() -> Iterator[None]:
 
 
 def _reader(form: str) -> Callable[..., MessageReader]:
-    for package, project in _NEEDED.get(form, _PYTHON_CAN).items():
-        require(package, project, f"reading .{form} files")
+    if form == "mf4":
+        require("asammdf", "asammdf", "reading .mf4 files")
     import can
 
     return cast("Callable[..., MessageReader]", {"blf": can.BLFReader, "mf4": can.MF4Reader}[form])

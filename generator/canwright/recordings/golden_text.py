@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
+from ..diagnostics.unicode_safety import visible
 from ..document import ambiguous
 from ..language.notation import BLANK
 from ..model import formatting
@@ -27,8 +28,13 @@ from .rows import needed
 _WIDTH = 120
 
 
-def golden_text(edition: Edition, message: Message, frame: CanFrame, assignment: Assignment) -> str | None:
-    """An entry of `frames` without a source; None if the frame is not decoded under these parameters."""
+def golden_text(
+    edition: Edition, message: Message, frame: CanFrame, assignment: Assignment, *, has_values: bool = True
+) -> str | None:
+    """An entry of `frames` without a source; None if the frame is not decoded under these parameters.
+
+    Without values, a comment before the entry has those of the spec.
+    """
     decoded = Decoder(edition).decode_as(message, frame, assignment)
     if isinstance(decoded, Rejection):
         return None
@@ -41,12 +47,14 @@ def golden_text(edition: Edition, message: Message, frame: CanFrame, assignment:
         f'data: "{frame.data.hex(" ").upper()}"',
     ]
     raws = {name: str(raw) for name, raw in decoded.raws.items()}
-    parts += _facts(edition, message, assignment, raws, _values(decoded, assignment))
+    values = _values(decoded, assignment)
+    parts += _facts(edition, message, assignment, *((raws, values) if has_values else ({}, {})))
     encoder = Encoder(assignment)
     is_sent = encoder.encode_raws(message, decoded.node, decoded.raws, decoded.code) == frame
     if not is_sent or _is_written_otherwise(decoded, encoder):
         parts.append("decode_only: true")
-    return _wrapped(parts)
+    comment = visible(f"raw: {_mapping(raws)}, values: {_mapping(values)}")
+    return _wrapped(parts) if has_values or not raws else f"  # by the spec: {comment}\n{_wrapped(parts)}"
 
 
 def _is_written_otherwise(decoded: Decoded, encoder: Encoder) -> bool:

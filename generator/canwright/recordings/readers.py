@@ -20,6 +20,7 @@ from . import asc, busmaster, by_python_can, candump, csv_table, line_forms, pca
 from .form_signs import form_of
 from .log_frame import OVERLONG, Counts, LogError as LogError, LogFrame, SkippedPart
 from .packages import MissingPackageError
+from .split import joined
 from .time_differences import since_start
 
 STANDARD_INPUT = "-"
@@ -67,11 +68,18 @@ class Log:
 
     `on_wait` is called with 0 before each read of a stream, which may have to wait for the next frames, and again at
     each PAUSE with the time in seconds since then; `waited` is the time that these reads have taken. A log that
-    `is_followed` has no end. Its times are added up if they are known or seen to be differences. If it `is_ended` by the user, it ends where it is read next.
+    `is_followed` has no end. Its times are added up if they are known or seen to be differences. The
+    channels of one that `is_split` are buses again. If it `is_ended` by the user, it ends where it is read next.
     """
 
     def __init__(
-        self, source: BinaryIO, name: str, *, is_followed: bool = False, has_differences: bool = False
+        self,
+        source: BinaryIO,
+        name: str,
+        *,
+        is_followed: bool = False,
+        has_differences: bool = False,
+        is_split: bool = False,
     ) -> None:
         self.counts = Counts()
         self.name = name
@@ -81,6 +89,7 @@ class Log:
         self.is_ended = False
         self._source = source
         self.has_differences = has_differences
+        self.is_split = is_split
 
     @property
     def is_file(self) -> bool:
@@ -91,7 +100,8 @@ class Log:
         """Raises LogError and OSError."""
         frames = 0
         try:
-            for recorded in self.recorded():
+            read = self.recorded()
+            for recorded in joined(read) if self.is_split else read:
                 frames += 1
                 if recorded.frame.remote:
                     self.counts.remote += 1
@@ -157,13 +167,15 @@ class _Stream(io.RawIOBase):
 
 
 @contextlib.contextmanager
-def open_log(name: str, *, is_followed: bool = False, has_differences: bool = False) -> Iterator[Log]:
+def open_log(
+    name: str, *, is_followed: bool = False, has_differences: bool = False, is_split: bool = False
+) -> Iterator[Log]:
     """A log in a file, or in the standard input for `-`. Raises OSError."""
     if name == STANDARD_INPUT:
-        yield Log(sys.stdin.buffer, "the standard input", has_differences=has_differences)
+        yield Log(sys.stdin.buffer, "the standard input", has_differences=has_differences, is_split=is_split)
         return
     with Path(name).open("rb") as source:
-        yield Log(source, name, is_followed=is_followed, has_differences=has_differences)
+        yield Log(source, name, is_followed=is_followed, has_differences=has_differences, is_split=is_split)
 
 
 def _found(counts: Counts) -> str:

@@ -1,17 +1,19 @@
-"""A log split into channels by direction, so that an analyser can load a database for each."""
+"""A log split into channels by direction, so that an analyser can load a database for each; and its buses again."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import IO, Any, BinaryIO, TextIO
 
+from ..diagnostics.unicode_safety import visible
 from ..model.formatting import sent
 from ..model.message import Direction
 from ..semantics.frame import CanFrame
 from .exports import seconds
-from .packages import require
+from .log_frame import FD_LENGTHS, MAX_CLASSIC_BYTES, LogError, LogFrame, Mark
 from .rows import Row
 
 FORMATS = (".asc", ".blf", ".log")
@@ -20,20 +22,21 @@ CHANNELS = 3
 """The channels of a bus: its requests, its replies, and all other frames."""
 Write = Callable[[int, int, CanFrame, bool], object]
 """Writes a frame: channel, time in ns, frame, whether it is a request."""
+_CHANNEL = re.compile(r"(?:can)?([1-9]\d{0,8})", re.ASCII)
+_MARKS = (Mark.SENT, Mark.RECEIVED, None)
+"""The marks of the channels of a bus, for a recorder that is the host."""
+_FD_END = "0 0 1000 0 0 0 0 0"
+"""The end of a line of ASC with a frame of CAN FD: durations, flags of which one is that of CAN FD, and bit timings."""
 _DAYS = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
 _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 
 
 class SplitLog:
-    """Writes frames to a log with three channels for each bus. `buses` has the first channel of each, counted from 1.
-
-    Raises MissingPackageError.
-    """
+    """Writes frames to a log with three channels for each bus. `buses` has the first channel of each, counted from 1."""
 
     def __init__(self, path: Path, form: str) -> None:
         self.buses: dict[str, int] = {}
         if form == ".blf":
-            require("can", "python-can", "BLF")
             binary = path.open("wb")
             self._file: IO[Any] = binary
             self._write, self._end = _blf(binary)
@@ -55,6 +58,16 @@ class SplitLog:
         self._file.close()
 
 
+def joined(frames: Iterator[LogFrame]) -> Iterator[LogFrame]:
+    """The frames of a split log on its buses, named 1, 2 and so on. Raises LogError."""
+    for recorded in frames:
+        channel = _CHANNEL.fullmatch(recorded.bus)
+        if channel is None:
+            raise LogError(f"`{visible(recorded.bus)}` is no channel of a file that --split writes; omit --from-split")
+        bus, offset = divmod(int(channel[1]) - 1, CHANNELS)
+        yield recorded._replace(bus=str(bus + 1), mark=_MARKS[offset])
+
+
 def _candump(file: TextIO) -> tuple[Write, Callable[[], object]]:
     def write(channel: int, time: int, frame: CanFrame, is_request: bool) -> None:
         file.write(f"({seconds(time, 6)}) can{channel} {sent(frame)} {'T' if is_request else 'R'}\n")
@@ -72,9 +85,15 @@ def _asc(file: TextIO) -> tuple[Write, Callable[[], object]]:
             file.write(f"date {date}\nbase hex  timestamps absolute\nno internal events logged\n")
             file.write(f"Begin Triggerblock {date}\n   0.000000 Start of measurement\n")
         id_ = f"{frame.id:X}{'x' if frame.extended else ''}"
-        data = "r" if frame.remote else f"d {len(frame.data):x} {frame.data.hex(' ').upper()}".rstrip()
-        since = seconds(max(0, time - start[0]), 6)
-        file.write(f"{since:>11} {channel}  {id_:<15} {'Tx' if is_request else 'Rx':<4} {data}\n")
+        since, mark = seconds(max(0, time - start[0]), 6), "Tx" if is_request else "Rx"
+        data = frame.data.hex(" ").upper()
+        if len(frame.data) > MAX_CLASSIC_BYTES:
+            code = next(code for code, length in FD_LENGTHS.items() if length >= len(frame.data))
+            event = f"CANFD {channel:>3} {mark:<4} {id_:>8} {'':>32} 0 0 {code:x} {len(frame.data):>2} {data} {_FD_END}"
+        else:
+            known = "r" if frame.remote else f"d {len(frame.data):x} {data}".rstrip()
+            event = f"{channel}  {id_:<15} {mark:<4} {known}"
+        file.write(f"{since:>11} {event}\n")
 
     return write, lambda: file.write("End TriggerBlock\n")
 
@@ -97,6 +116,7 @@ def _blf(file: BinaryIO) -> tuple[Write, Callable[[], object]]:
             arbitration_id=frame.id,
             is_extended_id=frame.extended,
             is_remote_frame=frame.remote,
+            is_fd=len(frame.data) > MAX_CLASSIC_BYTES,
             data=None if frame.remote else frame.data,
             channel=channel - 1,
             is_rx=not is_request,

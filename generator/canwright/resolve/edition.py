@@ -50,6 +50,7 @@ def _edition(report: Report, spec: schema.EditionSpec) -> Edition:
             level=written.level,
             consent=written.consent,
             repeat=written.repeat,
+            kept=written.kept,
             title=titled(written.title, name),
             about=written.about,
         )

@@ -10,7 +10,7 @@ from ..language.edition import EditionSpec, MessageSpec
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.golden_frames import GoldenFrame
-from ..model.layout import Field, Space
+from ..model.layout import Field, NodeRole, Space
 from ..model.message import Direction, Message
 from ..model.refusal import Refusal
 from ..model.types import Assignment, Order, Type
@@ -68,7 +68,10 @@ class _FrameChecker:
             text = f"rejected: {alone.text}" if isinstance(alone, Rejection) else named(alone.message, alone.node)
             return [(("data",), f"without its request, this frame is {text}", "check the codes in the spec")]
         problems = [*wrong, *_raws(frame, fields, in_data, assignment), *_values(frame, fields, in_data, assignment)]
-        return problems or ([] if frame.decode_only else list(_encoded(encoder, message, fields, frame, can)))
+        is_complete = frame.raw.keys() == in_data.keys()
+        return problems or (
+            [] if frame.decode_only or not is_complete else list(_encoded(encoder, message, fields, frame, can))
+        )
 
     def _length(self, message: Message) -> RelatedItem:
         """The definition of the length of a message, which the spec may leave to the default."""
@@ -201,18 +204,20 @@ def _raws(
     if unknown:
         return [(("raw", name, KEY), *_no_field(name, fields, in_data)) for name in unknown]
     missing = [name for name in in_data if name not in frame.raw]
-    if missing:
+    if missing and frame.source:
         names = _listed(dict.fromkeys(missing))
         return [((), f"neither `raw` nor `values` has {names}", "write the raw integer or the value of every field")]
     return [
         (("raw", name), f"`{name}` is {raw} in `data`", _raw_hint(fields[name], raw, frame.raw[name], assignment))
         for name, raw in in_data.items()
-        if raw != frame.raw[name]
+        if raw != frame.raw.get(name, raw)
     ]
 
 
 def _raw_hint(field: Field, raw: Raw, wanted: Raw, assignment: Assignment) -> str:
     """The hint for a raw integer that differs from that in the data."""
+    if isinstance(field.role, NodeRole):
+        return f"this field contains the node: write `node: {raw}`, or check `data`"
     if _is_swapped(raw, wanted, field.type.width):
         return f"the other byte order gives {wanted}: check `data`, and `byte_order` in the spec"
     if field_value(field, raw, assignment) == wanted:
@@ -246,7 +251,7 @@ def _values(
         if not _same(wanted, _as_written(fields[name].type, wanted, in_data[name], value)):
             unknown = unknown_name(fields[name], wanted, ("none", *SPECIAL)) if fields[name].type.members else None
             is_raw = wanted == in_data[name]
-            said = unknown or _other_value(fields[name], is_raw, value, assignment)
+            said = unknown or _other_value(fields[name], wanted, is_raw, value, assignment)
             problems.append((("values", name), *said))
     return problems
 
@@ -272,7 +277,9 @@ def _listed(names: Mapping[str, object]) -> str:
     return ", ".join(f"`{name}`" for name in names) or "none"
 
 
-def _other_value(field: Field, is_raw: bool, value: Value | list[Value], assignment: Assignment) -> tuple[str, str]:
+def _other_value(
+    field: Field, wanted: object, is_raw: bool, value: Value | list[Value], assignment: Assignment
+) -> tuple[str, str]:
     """The text and hint for a value that differs from that of the spec; it may be the raw integer."""
     type_, none = field.type, (None, [None] * len(field.elements))
     missing = [name for name in (type_.linear.parameter, *type_.times) if name and name not in assignment]
@@ -283,7 +290,19 @@ def _other_value(field: Field, is_raw: bool, value: Value | list[Value], assignm
     hint = f"check the value and the type in the spec{_where(field)}"
     if is_raw:
         hint = f"this is the raw integer; `values` has the value{_unit(field)}"
+    elif _is_rounded(wanted, value):
+        hint = f"if the manual rounds it, write {_shown(value)}; otherwise {hint}"
     return f"`{field.name}` is {_shown(value)} according to the {by} in the spec", hint
+
+
+def _is_rounded(wanted: object, value: object) -> bool:
+    """Whether numbers may be the exact ones, rounded or cut to fewer decimals."""
+    if isinstance(wanted, list) and isinstance(value, list):
+        return len(wanted) == len(value) and all(map(_is_rounded, wanted, value))
+    if not isinstance(wanted, (int, Fraction)) or not isinstance(value, (int, Fraction)):
+        return False
+    decimals = formatting.exact(Fraction(wanted)).partition(".")[2]
+    return abs(Fraction(value) - Fraction(wanted)) < Fraction(1, 10 ** len(decimals))
 
 
 def _where(field: Field) -> str:

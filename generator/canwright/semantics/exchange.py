@@ -132,3 +132,22 @@ def _is_from(nodes: Sequence[int], source: int | None, bits: int) -> bool:
 
 def _listed(nodes: Sequence[int]) -> str:
     return " or ".join(map(str, nodes)) if len(nodes) < 3 else f"{min(nodes)}..{max(nodes)}"
+
+
+def is_read(edition: Edition, command: Command) -> bool:
+    """Whether a command has neither values nor effects, and one frame of its node as its reply.
+
+    No command is known to be one if the spec has no effects, because then nothing is known about those of a command.
+    """
+    request = command.request
+    if not edition.effects or request is None or len(command.replies) != 1 or not command.implemented:
+        return False
+    reply = command.replies[0]
+    has_one_frame = not reply.from_each and reply.frames == 1 and not isinstance(reply, EchoReply)
+    is_bare = not command.effects and not any(field.role.is_value for field in request.layout.fields)
+    return has_one_frame and is_bare and has_node(request)
+
+
+def has_node(message: Message) -> bool:
+    """Whether the frames of a message contain their node."""
+    return message.id.nodes is not None or message.node_in_data is not None

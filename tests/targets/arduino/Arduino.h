@@ -87,6 +87,13 @@ static inline void delay(unsigned long)
 {
 }
 
+/* Each call takes a millisecond. */
+static inline unsigned long millis()
+{
+    static unsigned long now = 0;
+    return ++now;
+}
+
 void setup();
 void loop();
 

@@ -26,12 +26,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_35_SPEC 0x2e0afccbu
+#define MWD_MOTOR_V2_35_SPEC 0x5c7ed0b6u
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_35_EDITION         "v2.35"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_35_SPEC_HASH       "2e0afccb0509df67bd649c238e003e92ab2db2f52c3ed5d792bf57439abeef13"
+#define MWD_MOTOR_V2_35_SPEC_HASH       "5c7ed0b6944b5d1ae0025b37f208b650c9d57819004f5da8fff3eb95aff07168"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_35_REPLY_WITHIN_US 250u
 

@@ -25,12 +25,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_35_2024_02_SPEC 0x50fa002bu
+#define MWD_MOTOR_V2_35_2024_02_SPEC 0x11ec8091u
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_35_2024_02_EDITION         "v2.35-2024-02"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_35_2024_02_SPEC_HASH       "50fa002b5ec164d639298b6bba22ee86d4e902b9fa2fc65f826a4a73c52aedb5"
+#define MWD_MOTOR_V2_35_2024_02_SPEC_HASH       "11ec8091dc8d24f77acfeeb5b741fd4a39edc4023ebaa22d44939eed44dba516"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_35_2024_02_REPLY_WITHIN_US 250u
 

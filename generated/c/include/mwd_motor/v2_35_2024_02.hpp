@@ -19,7 +19,7 @@
 #include "v2_35_2024_02.h"
 #include "v2_35_2024_02_float.h"
 
-#if MWD_MOTOR_V2_35_2024_02_SPEC != 0x50fa002bu
+#if MWD_MOTOR_V2_35_2024_02_SPEC != 0x11ec8091u
 #error "v2_35_2024_02.h and v2_35_2024_02.hpp were generated from different specs; copy both from one folder."
 #endif
 

@@ -25,7 +25,7 @@
 #include "canwright_float.h"
 #include "v2_35_2024_02.h"
 
-#if MWD_MOTOR_V2_35_2024_02_SPEC != 0x50fa002bu
+#if MWD_MOTOR_V2_35_2024_02_SPEC != 0x11ec8091u
 #error "v2_35_2024_02.h and v2_35_2024_02_float.h were generated from different specs; copy both from one folder."
 #endif
 

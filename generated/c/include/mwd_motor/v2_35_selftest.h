@@ -12,7 +12,7 @@
 #include "canwright_selftest.h"
 #include "v2_35.h"
 
-#if MWD_MOTOR_V2_35_SPEC != 0x2e0afccbu
+#if MWD_MOTOR_V2_35_SPEC != 0x5c7ed0b6u
 #error "v2_35.h and v2_35_selftest.h were generated from different specs; copy both from one folder."
 #endif
 

@@ -25,12 +25,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_36_2024_11_SPEC 0xcd78d065u
+#define MWD_MOTOR_V2_36_2024_11_SPEC 0x29c30f9du
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_36_2024_11_EDITION         "v2.36-2024-11"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_36_2024_11_SPEC_HASH       "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a"
+#define MWD_MOTOR_V2_36_2024_11_SPEC_HASH       "29c30f9de6b1688985551ad4aaa204d05cceb815c7b5a2beb3b1fc1ad2bd4f05"
 /** Maximum time from request to reply, in microseconds. */
 #define MWD_MOTOR_V2_36_2024_11_REPLY_WITHIN_US 250u
 

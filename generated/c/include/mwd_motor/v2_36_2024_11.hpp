@@ -19,7 +19,7 @@
 #include "v2_36_2024_11.h"
 #include "v2_36_2024_11_float.h"
 
-#if MWD_MOTOR_V2_36_2024_11_SPEC != 0xcd78d065u
+#if MWD_MOTOR_V2_36_2024_11_SPEC != 0x29c30f9du
 #error "v2_36_2024_11.h and v2_36_2024_11.hpp were generated from different specs; copy both from one folder."
 #endif
 

@@ -25,7 +25,7 @@
 #include "canwright_float.h"
 #include "v2_36_2024_11.h"
 
-#if MWD_MOTOR_V2_36_2024_11_SPEC != 0xcd78d065u
+#if MWD_MOTOR_V2_36_2024_11_SPEC != 0x29c30f9du
 #error "v2_36_2024_11.h and v2_36_2024_11_float.h were generated from different specs; copy both from one folder."
 #endif
 

@@ -25,12 +25,12 @@
 #endif
 
 /** The start of the hash below. Headers of one edition whose specs have different meanings do not compile together. */
-#define MWD_MOTOR_V2_36_2025_03_SPEC 0x19aeb34fu
+#define MWD_MOTOR_V2_36_2025_03_SPEC 0x48ad4f9fu
 
 /** The name of the edition. */
 #define MWD_MOTOR_V2_36_2025_03_EDITION         "v2.36-2025-03"
 /** The SHA-256 of what the spec means, in hexadecimal. */
-#define MWD_MOTOR_V2_36_2025_03_SPEC_HASH       "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf"
+#define MWD_MOTOR_V2_36_2025_03_SPEC_HASH       "48ad4f9f8532c0b937e57e55e0e3f16ab19eb4ad9bf7484be4bbfd9b400bf070"
 /** Maximum time from request to reply, in microseconds. It does not apply to calibrate_encoder. */
 #define MWD_MOTOR_V2_36_2025_03_REPLY_WITHIN_US 250u
 
@@ -7767,8 +7767,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_stage_setting_current_p
  *
  * Saves the written settings to ROM and reports the result.
  *
- * Warning: Stored in ROM, kept at power-off; Frequent writes to the ROM shorten the life of the chip; Takes effect
- * after a power cycle.
+ * Warning: Settings written before are stored in ROM, kept at power-off; Frequent writes to the ROM shorten the life
+ * of the chip; Takes effect after a power cycle.
  *
  * Erratum (28): Saved settings need a power cycle or a restart command, but the manual has no restart command. Used
  * here: A power cycle. The code of the restart command is not known from this manual.
@@ -8118,14 +8118,16 @@ static inline const char *mwd_motor_v2_36_2025_03_command_name(mwd_motor_v2_36_2
 #define MWD_MOTOR_V2_36_2025_03_EFFECT_MOVES_CONTACT     0x00000400u
 /** Stored in ROM, kept at power-off. */
 #define MWD_MOTOR_V2_36_2025_03_EFFECT_WRITES_ROM        0x00000800u
+/** Settings written before are stored in ROM, kept at power-off. */
+#define MWD_MOTOR_V2_36_2025_03_EFFECT_SAVES             0x00001000u
 /** Frequent writes to the ROM shorten the life of the chip. */
-#define MWD_MOTOR_V2_36_2025_03_EFFECT_WEARS_ROM         0x00001000u
+#define MWD_MOTOR_V2_36_2025_03_EFFECT_WEARS_ROM         0x00002000u
 /** Takes effect after a power cycle. */
-#define MWD_MOTOR_V2_36_2025_03_EFFECT_NEEDS_POWER_CYCLE 0x00002000u
+#define MWD_MOTOR_V2_36_2025_03_EFFECT_NEEDS_POWER_CYCLE 0x00004000u
 /** LED changes from steady to a slow blink. */
-#define MWD_MOTOR_V2_36_2025_03_EFFECT_LED_SLOW_BLINK    0x00004000u
+#define MWD_MOTOR_V2_36_2025_03_EFFECT_LED_SLOW_BLINK    0x00008000u
 /** LED changes from a slow blink to steady. */
-#define MWD_MOTOR_V2_36_2025_03_EFFECT_LED_STEADY        0x00008000u
+#define MWD_MOTOR_V2_36_2025_03_EFFECT_LED_STEADY        0x00010000u
 
 /** The effects of sending a command, ORed. */
 static inline uint32_t mwd_motor_v2_36_2025_03_command_effects(mwd_motor_v2_36_2025_03_command_t command)
@@ -8186,7 +8188,7 @@ static inline uint32_t mwd_motor_v2_36_2025_03_command_effects(mwd_motor_v2_36_2
     case MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID:
         return MWD_MOTOR_V2_36_2025_03_EFFECT_STAGES;
     case MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS:
-        return MWD_MOTOR_V2_36_2025_03_EFFECT_WRITES_ROM | MWD_MOTOR_V2_36_2025_03_EFFECT_WEARS_ROM
+        return MWD_MOTOR_V2_36_2025_03_EFFECT_SAVES | MWD_MOTOR_V2_36_2025_03_EFFECT_WEARS_ROM
             | MWD_MOTOR_V2_36_2025_03_EFFECT_NEEDS_POWER_CYCLE;
     default:
         return 0u;

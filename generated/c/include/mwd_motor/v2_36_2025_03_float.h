@@ -25,7 +25,7 @@
 #include "canwright_float.h"
 #include "v2_36_2025_03.h"
 
-#if MWD_MOTOR_V2_36_2025_03_SPEC != 0x19aeb34fu
+#if MWD_MOTOR_V2_36_2025_03_SPEC != 0x48ad4f9fu
 #error "v2_36_2025_03.h and v2_36_2025_03_float.h were generated from different specs; copy both from one folder."
 #endif
 

@@ -4,7 +4,7 @@ canwright.editions.push({
   tables: {
     family: "mwd_motor",
     edition: "v2.36-2024-11",
-    hash: "cd78d0653e6543ecd7603ee5532bf1f65e7d032177fcf319885f61116fe2c16a",
+    hash: "29c30f9de6b1688985551ad4aaa204d05cceb815c7b5a2beb3b1fc1ad2bd4f05",
     replyWithin: 0.25,
     parameters: {
       series: { values: ["MS", "MF", "MH", "MG"] },

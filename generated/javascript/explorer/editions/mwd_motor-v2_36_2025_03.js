@@ -4,7 +4,7 @@ canwright.editions.push({
   tables: {
     family: "mwd_motor",
     edition: "v2.36-2025-03",
-    hash: "19aeb34fffac82ee8bbfccae9802849546e305faa73694a82d771063414277bf",
+    hash: "48ad4f9f8532c0b937e57e55e0e3f16ab19eb4ad9bf7484be4bbfd9b400bf070",
     replyWithin: 0.25,
     parameters: {
       series: { values: ["MS", "MF", "MH", "MG"] },
@@ -2139,6 +2139,13 @@ canwright.editions.push({
           zh: "\u5199\u5165 ROM\uff0c\u65ad\u7535\u4fdd\u7559",
         },
       },
+      saves: {
+        level: "warning",
+        title: {
+          en: "Settings written before are stored in ROM, kept at power-off",
+          zh: "\u6b64\u524d\u5199\u5165\u7684\u8bbe\u5b9a\u53c2\u6570\u5b58\u5165 ROM\uff0c\u65ad\u7535\u4fdd\u7559",
+        },
+      },
       wears_rom: {
         level: "warning",
         title: {
@@ -2672,7 +2679,7 @@ canwright.editions.push({
         code: 68,
         title: { en: "Save stored settings", zh: "\u4fdd\u5b58\u8bbe\u5b9a\u53c2\u6570" },
         manual: "28",
-        effects: { writes_rom: {}, wears_rom: {}, needs_power_cycle: {} },
+        effects: { saves: {}, wears_rom: {}, needs_power_cycle: {} },
       },
     },
     layouts: [

@@ -13,6 +13,7 @@ from ...model.golden_frames import GoldenFrame, RawValue
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.types import Assignment
+from ...semantics.exchange import is_read
 from ...semantics.plan import value_fields
 from ..base import EditionInput, WorkedExchange
 from ..examples import Examples
@@ -64,6 +65,16 @@ class ExampleView(NamedTuple):
     file: str
     parameters: tuple[str, ...]
     exchanges: tuple[ExchangeView, ...]
+    on_bus: ExchangeView | None
+    """The exchange that programs for a bus show: one without effects, if there is one."""
+    bit_rate_kbps: int | None
+    """A bit rate of the bus; None if the spec states none."""
+
+    @property
+    def twai_timing(self) -> str:
+        """What the bit rate is called in the driver of the ESP32's controller; empty if it does not have it."""
+        rate = self.bit_rate_kbps or 500
+        return f"{rate}KBITS" if rate in (25, 50, 100, 125, 250, 500, 800) else "1MBITS" * (rate == 1000)
 
     @property
     def uses_parameters(self) -> bool:
@@ -119,11 +130,17 @@ def example(specification: EditionInput, view: EditionView) -> ExampleView:
         next((e for e in examples.answered(command) if e.parameters.items() <= known.items()), None)
         for command in commands
     )
-    worked = list(filter(None, golden)) or filter(None, map(examples.simplest, commands))
+    worked = list(filter(None, golden)) or list(filter(None, map(examples.simplest, commands)))
+    exchanges = tuple(itertools.islice(_exchanges(view, worked, known), COMMANDS))
+    reads = [exchange for exchange in worked if is_read(edition, exchange.command)]
+    reads.sort(key=lambda exchange: exchange.command.entry is not None)  # those of measured values first
+    rates = [mode.default_kbps or mode.bit_rates_kbps[0] for mode in edition.bus.modes]
     return ExampleView(
         f"{edition.family}_{edition.identifier}",
         tuple(_parameters(view, edition, known)),
-        tuple(itertools.islice(_exchanges(view, worked, known), COMMANDS)),
+        exchanges,
+        next(iter((*_exchanges(view, reads, known), *exchanges)), None),
+        next(iter(rates), None),
     )
 
 

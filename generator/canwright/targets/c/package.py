@@ -75,10 +75,12 @@ def files(specifications: Sequence[EditionInput]) -> Iterator[Output]:
     for view, x in shown:
         if x.exchanges:
             yield Output(f"examples/{x.file}.c", fold(env.get_template("examples/example.c.j2").render(e=view, x=x)))
+            bus = fold(env.get_template("examples/socketcan.c.j2").render(e=view, x=x))
+            yield Output(f"examples/{x.file}_socketcan.c", bus)
             sketch = f"examples/{x.file}_sketch"
             text = fold(env.get_template("examples/sketch.ino.j2").render(e=view, x=x))
             yield Output(f"{sketch}/{x.file}_sketch.ino", text)
-            yield Output(f"{sketch}/platformio.ini", env.get_template("examples/platformio.ini.j2").render(e=view))
+            yield Output(f"{sketch}/platformio.ini", env.get_template("examples/platformio.ini.j2").render(e=view, x=x))
     for family in families:
         yield Output(f"share/pkgconfig/{family.name}.pc", env.get_template("package.pc.j2").render(family=family))
     e, x = shown[0]

@@ -36,12 +36,13 @@ class Question(NamedTuple):
 
 def questions(listed: Sequence[tuple[str, Edition]], language: str) -> Iterator[Question]:
     """The questions of the families of some editions, which have folders."""
-    for written in _written(edition for _, edition in listed):
+    for family, written in _written(edition for _, edition in listed):
+        of_family = [(folder, edition) for folder, edition in listed if edition.family == family]
         yield Question(
             f"{PAGE}.{written['name']}",
             markdown(written["ask"][language]),
             markdown(written["answer"][language]),
-            [link for name in written.get("commands", ()) for link in _links(name, listed)],
+            [link for name in written.get("commands", ()) for link in _links(name, of_family)],
             written.get("pages", ()),
         )
 
@@ -56,7 +57,7 @@ def _links(name: str, listed: Sequence[tuple[str, Edition]]) -> Iterator[Link]:
 
 def question_records(editions: Iterable[Edition]) -> Iterator[Record]:
     """The questions as records for the search."""
-    for written in _written(editions):
+    for _, written in _written(editions):
         yield {
             "kind": "question",
             "name": written["name"],
@@ -67,8 +68,8 @@ def question_records(editions: Iterable[Edition]) -> Iterator[Record]:
         }
 
 
-def _written(editions: Iterable[Edition]) -> Iterator[Record]:
-    """The questions of each family, as they are written."""
+def _written(editions: Iterable[Edition]) -> Iterator[tuple[str, Record]]:
+    """The questions of each family, with its name, as they are written."""
     families = dict.fromkeys(edition.family for edition in editions)
     data = read_data(resources.QUESTIONS)
-    return (written for family in families for written in data.get(family, ()))
+    return ((family, written) for family in families for written in data.get(family, ()))

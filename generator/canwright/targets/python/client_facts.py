@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Field
-from ...model.message import Command, Direction, EchoReply, Message
-from ...model.metadata import Repeat, State
+from ...model.message import Command, Direction, Message
+from ...model.metadata import Consent, Repeat, State
 from ...semantics.decoder import Decoder, Rejection
 from ...semantics.encoder import Encoder
+from ...semantics.exchange import has_node, is_read
 from . import code, text
 from .class_bodies import varying
 
@@ -23,6 +24,7 @@ class ClientFactsView:
 
     effects: code.Code
     reads: code.Code
+    settings: code.Code
     ends_motion: code.Code
     states: code.Code
     cyclic: code.Code
@@ -37,6 +39,7 @@ def view(edition: Edition) -> ClientFactsView:
                 text.literal(formatting.english(effect.title)),
                 text.literal(effect.consent.value),
                 str(effect.repeat is Repeat.SAME),
+                text.literal(effect.kept.value if effect.kept else ""),
             ),
             f"{text.literal(effect.name)}: ",
         )
@@ -44,13 +47,20 @@ def view(edition: Edition) -> ClientFactsView:
     )
     ends: dict[str, Message] = {}
     for command in edition.commands:
-        if command.ends_motion and command.request and _has_node(command.request):
+        if command.ends_motion and command.request and has_node(command.request):
             ends.setdefault(command.ends_motion.value, command.request)
     reads = [command for command in edition.commands if is_read(edition, command)]
     reads.sort(key=lambda command: command.entry is not None)  # those of measured values first
     return ClientFactsView(
         effects=code.dict_of(effects),
         reads=code.tuple_of(text.class_name(c.request.name) for c in reads if c.request),
+        settings=code.dict_of(
+            code.dict_of(
+                (f"{text.literal(kept)}: {text.class_name(write.name)}" for kept, write in writes.items()),
+                f"{text.class_name(read.name)}: ",
+            )
+            for read, writes in _settings(edition, reads)
+        ),
         ends_motion=code.dict_of(f"{text.literal(kind)}: {text.class_name(m.name)}" for kind, m in ends.items()),
         states=code.dict_of(
             code.tuple_of(
@@ -102,6 +112,30 @@ def class_attributes(edition: Edition, command: Command) -> Iterator[code.Code]:
             yield "DIFFERS = True"
     if command.reply_within_ms is not None:
         yield f"REPLY_WITHIN_MS = {float(command.reply_within_ms)!r}"
+
+
+def _settings(edition: Edition, reads: Iterable[Command]) -> Iterator[tuple[Message, dict[str, Message]]]:
+    """The reads of what can be written, and the requests that write it and do nothing else, by how long it is kept."""
+    writes: dict[str, list[tuple[str, Message, set[str]]]] = {}
+    for command in edition.commands:
+        kept = [effect.kept for effect in command.effects if effect.kept]
+        stores_only = all(
+            effect.kept or effect.consent in (Consent.WEAR, Consent.CONTACT) for effect in command.effects
+        )
+        if kept and stores_only and command.request and command.reply and command.implemented:
+            written = _variables(command, command.request)
+            values = varying(command.request.layout.fields)
+            if values and len(written) == len(values):
+                write = kept[0].value, command.request, {*written.values()}
+                writes.setdefault(next(iter(written.values())), []).append(write)
+    for read in reads:
+        readable = [*_variables(read, read.replies[0].message).values()]
+        requests: dict[str, Message] = {}
+        for how, request, variables in (write for name in readable for write in writes.get(name, ())):
+            if variables.issubset(readable):
+                requests.setdefault(how, request)
+        if requests and read.request:
+            yield read.request, requests
 
 
 def _entering(edition: Edition, state: State) -> Iterator[Message]:
@@ -156,24 +190,6 @@ def _plausible_raw(field: Field) -> int:
     low, high = ((bound.constant - linear.offset) / linear.scale for bound in (limits.low, limits.high))
     low, high = min(low, high), max(low, high)
     return math.ceil(low) if low > 0 else math.floor(high) if high < 0 else 0
-
-
-def is_read(edition: Edition, command: Command) -> bool:
-    """Whether a command has neither values nor effects, and one frame of its node as its reply.
-
-    No command is known to be one if the spec has no effects, because then nothing is known about those of a command.
-    """
-    request = command.request
-    if not edition.effects or request is None or len(command.replies) != 1 or not command.implemented:
-        return False
-    reply = command.replies[0]
-    has_one_frame = not reply.from_each and reply.frames == 1 and not isinstance(reply, EchoReply)
-    is_bare = not command.effects and not any(field.role.is_value for field in request.layout.fields)
-    return has_one_frame and is_bare and _has_node(request)
-
-
-def _has_node(message: Message) -> bool:
-    return message.id.nodes is not None or message.node_in_data is not None
 
 
 def replies_differ(edition: Edition, request: Message, reply: Message, node: int) -> bool:

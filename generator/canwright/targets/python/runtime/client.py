@@ -40,6 +40,8 @@ R = TypeVar("R", bound=Message)
 T = TypeVar("T")
 
 MOTION = "motion"
+KEPT = ("ram", "staged", "rom")
+"""How long a node can keep a setting, the shortest first."""
 TIMEOUT = 0.02
 """The time in seconds that adapter, driver and scheduler may add to the time of the reply."""
 STOP_TRIES = 3
@@ -61,6 +63,10 @@ class Unproven(ClientError):  # noqa: N818
 
 class NotSent(ClientError):  # noqa: N818
     """The request was not sent."""
+
+
+class NotWritten(ClientError):  # noqa: N818
+    """A node has another value than the one that was written."""
 
 
 class BusLost(ClientError, ConnectionError):  # noqa: N818
@@ -101,6 +107,22 @@ class Outcome(Generic[R]):
         if self.error is not None:
             raise self.error
         return self.replies[0]
+
+
+def differences(settings: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
+    """The settings of two dumps that differ, each with both values; None where one of them does not have it."""
+    pairs = {name: (settings.get(name), others.get(name)) for name in {**settings, **others}}
+    return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
+
+
+def variables_of(message: Message) -> dict[str, Any]:
+    """The values of a message, by the variables of the node that they are. Raises CodecError without a parameter."""
+    names = message.no_values()
+    values: dict[str, Any] = {}
+    for field in message.fields():
+        value = getattr(message, field)
+        values[message.VARIABLES.get(field, field)] = names.get(field) if value is None else value
+    return values
 
 
 def effects_of(request: Message) -> tuple[str, ...]:
@@ -310,7 +332,7 @@ class ClientCore:
         """Raises ConsentError if the program did not allow an effect of a request."""
         effects = node.edition.client_facts.effects
         for name in effects_of(request):
-            title, consent, _ = effects[name]
+            title, consent, _, _ = effects[name]
             granted = allow.split()
             if consent == MOTION:
                 granted += (self._allow if isinstance(self._allow, str) else self._allow.get(node.node, "")).split()
@@ -475,6 +497,72 @@ class ClientCore:
         while True:
             yield number, pause
 
+    # Settings
+
+    def _known(self, node: int | None) -> Node[Any, Any]:
+        """The node of a number; without one the only node. Raises ValueError."""
+        if node is None and len(self.nodes) == 1:
+            return next(iter(self.nodes.values()))
+        if node is None or node not in self.nodes:
+            raise ValueError(f"node={node} is none of this client; give one of {[*self.nodes]}")
+        return self.nodes[node]
+
+    def _dump_steps(self, number: int | None) -> Steps[dict[str, Any]]:
+        node = self._known(number)
+        settings = yield from self._read_steps(node, node.edition.client_facts.settings)
+        return {name: value for values in settings.values() for name, value in values.items()}
+
+    def _read_steps(
+        self, node: Node[Any, Any], reads: Iterable[type[Request[Any]]]
+    ) -> Steps[dict[type[Request[Any]], dict[str, Any]]]:
+        """What each read returns of the settings that the node has. Raises ClientError."""
+        settings = node.edition.client_facts.settings
+        requests = [request for read in reads if (request := _made(node, read)) is not None]
+        outcomes = yield from self._cycle_steps(requests, "", 1, None)
+        return {
+            type(outcome.request): {
+                name: value
+                for name, value in variables_of(outcome.get()).items()
+                if any(name in write.VARIABLES.values() for write in settings[type(outcome.request)].values())
+            }
+            for outcome in outcomes
+        }
+
+    def _restore_steps(
+        self, settings: Mapping[str, Any], number: int | None, kept: str, allow: str
+    ) -> Steps[dict[str, tuple[Any, Any]]]:
+        node = self._known(number)
+        requests = node.edition.client_facts.settings
+        present = yield from self._read_steps(node, requests)
+        missing = settings.keys() - {name for values in present.values() for name in values}
+        if missing:
+            raise ValueError(f"{node!r} has no settings {', '.join(sorted(missing))}")
+        writes: dict[type[Request[Any]], Request[Any]] = {}
+        unread: set[type[Request[Any]]] = set()
+        changed: dict[str, tuple[Any, Any]] = {}
+        for read, values in present.items():
+            wanted = values | {name: settings[name] for name in values if name in settings}
+            differing = differences(values, wanted)
+            if differing:
+                how = next((how for how in ((kept,) if kept else KEPT) if how in requests[read]), None)
+                if how is None:
+                    raise ValueError(f"{node!r} has no request that writes {', '.join(differing)} with kept={kept!r}")
+                write = requests[read][how]
+                if how == "staged":  # no description states whether a read returns it
+                    unread.add(read)
+                request = node.make(write, **{field: wanted[name] for field, name in write.VARIABLES.items()})
+                self._check_consent(node, request, allow)
+                writes[read] = request
+                changed |= differing
+        outcomes = yield from self._cycle_steps([*writes.values()], allow, 1, None)
+        replies = [variables_of(outcome.get()) for outcome in outcomes]
+        replies += (yield from self._read_steps(node, writes.keys() - unread)).values()
+        for values in replies:
+            for name in changed.keys() & values.keys():
+                if values[name] != changed[name][1]:
+                    raise NotWritten(f"{name} of {node!r} is {values[name]!r} after {changed[name][1]!r} was written")
+        return changed
+
     def _listen_steps(self, seconds: float) -> Steps[None]:
         until = time.monotonic() + seconds
         self._check_bus()
@@ -628,6 +716,21 @@ class Client(ClientCore):
     def send(self, request: Request[Any], *, allow: str = "") -> None:
         """Sends a request that nodes do not answer. Raises ClientError."""
         self._drive(self._send_steps(request, allow))
+
+    def dump(self, node: int | None = None) -> dict[str, Any]:
+        """The settings of a node, by the names of its variables, in the units of their fields. Raises ClientError."""
+        return self._drive(self._dump_steps(node))
+
+    def restore(
+        self, settings: Mapping[str, Any], node: int | None = None, *, kept: str = "", allow: str = ""
+    ) -> dict[str, tuple[Any, Any]]:
+        """Writes those settings of a dump that differ in a node, and reads them back; each with the value before and the new one.
+
+        `kept` selects the requests that write: to `ram`, to `rom`, or `staged`, which another request has to save; without it,
+        the first of `ram`, `staged` and `rom` that there is. Raises ValueError, ConsentError or CodecError before anything is
+        written, and ClientError: NotWritten if the node has another value then.
+        """
+        return self._drive(self._restore_steps(settings, node, kept, allow))
 
     def every(self, rate: float) -> Iterator[int]:
         """The number of each period, `rate` times a second, at absolute times; missed periods are left out and counted.
