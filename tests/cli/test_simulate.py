@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import _thread
-import importlib.util
 import threading
 import time
 from collections.abc import Callable
@@ -140,12 +139,6 @@ def test_wrong_arguments_end_with_a_sentence(
     monkeypatch.setenv("HOME", str(tmp_path))
     result = run(*arguments)
     assert (result.exit_code, says in result.stderr) == (2, True), result.output
-
-
-def test_a_missing_python_can_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    result = run("v2.35", "--node", "1", "-i", "virtual")
-    assert (result.exit_code, result.stderr) == (2, "canwright: a bus needs python-can; run: pip install python-can\n")
 
 
 def test_the_bus_can_be_in_the_configuration_file_of_python_can(

@@ -21,7 +21,7 @@ INTERRUPTED = 130
 COMMANDS = {
     "check": ("generate", "Check the specs, and compare the output with them."),
     "copy": ("copy", "Copy an edition with its golden frames: start a new one, or edit one of the package."),
-    "decode": ("decode", "Decode a log, or explain one frame."),
+    "decode": ("decode", "Decode a log or a bus, or explain one frame."),
     "diff": ("diff", "Show what changed from OLD to NEW, and who is affected."),
     "editions": ("diff", "List the editions: family, name, date, commands, title."),
     "encode": ("encode", "Print the frame of a COMMAND, ready for cansend, and what it means."),

@@ -12,7 +12,6 @@ import click
 
 from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
-from ..recordings.packages import MissingPackageError, require
 from .common import stop
 
 if TYPE_CHECKING:
@@ -43,7 +42,6 @@ def bus_options(function: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(function)
     def command(*arguments: Any, bus_kwargs: Sequence[str], **options: Any) -> None:
-        require_python_can()
         given = {name: options.pop(name) for name in ("interface", "channel", "bitrate", "fd", "data_bitrate")}
         known = {name: value for name, value in given.items() if value is not None}
         function(*arguments, bus_arguments=known | _further(bus_kwargs), **options)
@@ -62,14 +60,6 @@ def _further(written: Sequence[str]) -> dict[str, str]:
             stop(f"--bus-kwargs {visible(item)}: write NAME=VALUE, for example --bus-kwargs serial=1234")
         further[name] = value
     return further
-
-
-def require_python_can() -> None:
-    """Stops if python-can is not installed."""
-    try:
-        require("can", "python-can", "a bus")
-    except MissingPackageError as error:
-        stop(str(error))
 
 
 @contextlib.contextmanager
@@ -101,6 +91,13 @@ def returns_own_frames(arguments: BusArguments) -> bool:
 
     config = can.util.load_config(config={**arguments})
     return config["interface"] == "udp_multicast" or bool(config.get("receive_own_messages"))
+
+
+def errors_of_use() -> tuple[type[Exception], ...]:
+    """What a bus raises that is lost."""
+    import can
+
+    return can.CanError, OSError, ValueError
 
 
 def sentence(error: BaseException) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import itertools
 import os
-import signal
 import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -34,9 +33,11 @@ from ..recordings.rows import Row, RowReader
 from ..recordings.summary import Summary
 from ..semantics.frame import CanFrame
 from . import INTERRUPTED
+from .bus import BusArguments, bus_options
 from .common import FINDINGS, FilePath, read, spec_option, stop
 from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
+from .log_source import ended_by_interrupt, log_or_bus
 from .node_settings import bus_of, differences_option, direction_of, recorder_option, split_option
 from .terminal import print_data, print_text, progress
 
@@ -107,7 +108,7 @@ class Outputs(NamedTuple):
 
 
 @click.command()
-@click.argument("log", type=LogOrFrame())
+@click.argument("log", type=LogOrFrame(), required=False)
 @spec_option
 @click.option(
     "--set",
@@ -147,8 +148,9 @@ class Outputs(NamedTuple):
 @differences_option
 @split_option
 @recorder_option
+@bus_options
 def decode(
-    log: str | CanFrame,
+    log: str | CanFrame | None,
     specs: Sequence[Path],
     settings: Sequence[str],
     form: str | None,
@@ -162,11 +164,12 @@ def decode(
     has_differences: bool,
     is_split: bool,
     recorder: str,
+    bus_arguments: BusArguments,
 ) -> None:
-    """Decode a log, or explain one frame.
+    """Decode a log or a bus, or explain one frame.
 
     LOG is a log of candump, ASC, BLF, TRC, MF4, CSV, pcap or another form, `-` for the standard input, or a frame such as
-    141#A100FF. Each row has the direction of the frame and the rule that decided on it, the values of its fields, and
+    141#A100FF. Without LOG, a bus of python-can is read until Ctrl-C: -i socketcan -c can0. Each row has the direction of the frame and the rule that decided on it, the values of its fields, and
     the request that it answers. The edition of a node is given by --set, or identified: from the whole log if it is a
     file, and while it is read if it is a stream. If several editions fit, a row lists all, and is decoded with the first.
 
@@ -192,9 +195,13 @@ def decode(
         raise click.UsageError("--follow needs a file; the standard input is followed without it")
     outputs = Outputs(form or ("none" if split or plot else "text"), out, split, plot, fields)
     _check(outputs)
-    _check_paths(log, outputs)
+    if log is not None:
+        _check_paths(log, outputs)
     try:
-        with open_log(log, is_followed=followed, has_differences=has_differences, is_split=is_split) as recording:
+        source = log_or_bus(
+            log, bus_arguments, is_followed=followed, has_differences=has_differences, is_split=is_split
+        )
+        with source as recording:
             _decode(recording, editions, set_, outputs, window, direction_of(recorder))
     except (LogError, MissingPackageError, OSError) as error:
         if isinstance(error, BrokenPipeError):  # of the standard output
@@ -257,7 +264,7 @@ def _decode(
         nodes = nodes_of(_identified(log, editions, recorder), settings)
     else:
         nodes = None
-    with _ended_by_interrupt(log):
+    with ended_by_interrupt(log):
         frames: Iterable[LogFrame] = log
         if nodes is None:
             nodes, frames = follow(log, editions, settings, recorder)
@@ -266,22 +273,6 @@ def _decode(
         sys.exit(INTERRUPTED)
     if not is_clean:
         sys.exit(FINDINGS)
-
-
-@contextlib.contextmanager
-def _ended_by_interrupt(log: Log) -> Iterator[None]:
-    """An interrupt ends the log, so that its summary is printed; the second one ends the run."""
-    before = signal.getsignal(signal.SIGINT)
-
-    def end(*_: object) -> None:
-        log.is_ended = True
-        signal.signal(signal.SIGINT, before)
-
-    signal.signal(signal.SIGINT, end)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _print(

@@ -16,11 +16,14 @@ from ..recordings.grouping import groups
 from ..recordings.log_frame import Counts
 from ..recordings.neighbours import neighbours
 from ..recordings.nodes import Identifiers
-from ..recordings.readers import LogError, open_log
+from ..recordings.readers import LogError
 from ..recordings.results import EditionScore, Evidence, Identification, NodeResult
 from ..semantics.configured import configured
+from . import INTERRUPTED
+from .bus import BusArguments, bus_options
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import at_frame, node_names
+from .log_source import ended_by_interrupt, log_or_bus
 from .node_settings import differences_option, direction_of, recorder_option, split_option
 from .settings import assignment
 from .terminal import print_json, print_text
@@ -30,7 +33,7 @@ SHOWN = 4
 
 
 @click.command()
-@click.argument("log", type=click.Path(exists=True, dir_okay=False, allow_dash=True))
+@click.argument("log", type=click.Path(exists=True, dir_okay=False, allow_dash=True), required=False)
 @spec_option
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True)
 @click.option(
@@ -43,31 +46,34 @@ SHOWN = 4
 @differences_option
 @split_option
 @recorder_option
+@bus_options
 def identify(
-    log: str,
+    log: str | None,
     specs: Sequence[Path],
     form: str,
     settings: Sequence[str],
     has_differences: bool,
     is_split: bool,
     recorder: str,
+    bus_arguments: BusArguments,
 ) -> None:
     """Show which editions a recorded exchange fits, and why.
 
     Each node of each bus is identified separately. LOG is a log of candump, ASC, BLF, TRC, MF4, CSV, pcap or another form, or
-    - for the standard input. No frame contains its edition; the result follows from ids, codes, replies, reserved bits
+    - for the standard input. Without LOG, a bus of python-can is read until Ctrl-C. No frame contains its edition; the result follows from ids, codes, replies, reserved bits
     and plausible ranges of all frames, and may be undecided. If a node gets another edition, the result names the frame
     and the time of the change. Without --spec and without a folder spec/, the editions in the package are compared.
 
-    Exit status: 0 if the edition of every node is identified and does not change, 1 if not, 2 if it could not run. Nodes
-    with few frames, far apart, are listed last and do not affect it: their ids may be damaged.
+    Exit status: 0 if the edition of every node is identified and does not change, 1 if not, 2 if it could not run, 130 if
+    Ctrl-C ended the log, after its result. Nodes with few frames, far apart, are listed last and do not affect it: their ids may be damaged.
     """
     specifications = read(specs, packaged=True)
     known = assignment(specifications, settings)
     editions = [configured(item.edition, known) for item in specifications]
     identifiers = Identifiers(editions, direction_of(recorder))
     try:
-        with open_log(log, has_differences=has_differences, is_split=is_split) as read_log:
+        source = log_or_bus(log, bus_arguments, has_differences=has_differences, is_split=is_split)
+        with source as read_log, ended_by_interrupt(read_log):
             for frame in read_log:
                 identifiers.add(frame)
     except (LogError, OSError) as error:
@@ -79,6 +85,8 @@ def identify(
         print_json(_facts(family, identification, read_log.counts))
     else:
         print_identification(own, identification, read_log.counts)
+    if read_log.is_ended:
+        sys.exit(INTERRUPTED)
     if not identification.is_complete:
         sys.exit(FINDINGS)
 

@@ -33,7 +33,7 @@ class PythonPackage:
     """The modules of the package, and the parameters of the nodes of a bus."""
 
     def __init__(self, specification: EditionInput, given: Assignment) -> None:
-        edition = self._edition = specification.edition
+        edition = specification.edition
         names = (edition.identifier, "nodes", "client", "simulation")
         with tempfile.TemporaryDirectory(prefix="canwright-") as folder:
             package = write_files(TARGET.packages([specification]), Path(folder))

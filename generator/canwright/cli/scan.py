@@ -24,7 +24,7 @@ from ..semantics.frame import CanFrame
 from ..targets.python.client_facts import replies_differ
 from ..targets.python.runtime.exchange import Copies
 from ..targets.selected_nodes import selected_nodes
-from .bus import BusArguments, bus_options, lost, opened_bus, returns_own_frames
+from .bus import BusArguments, bus_options, errors_of_use, lost, opened_bus, returns_own_frames
 from .common import FINDINGS, of_edition, read, spec_option, stop
 from .decode_view import node_names
 from .encode import encoded
@@ -93,7 +93,7 @@ def scan(
             for number in answering:
                 fitting = _identifiers(probes.editions, recorded[number]).best.result().nodes[0].editions
                 recorded[number] += scanner.ask(probes.further(number, fitting or probes.editions))
-        except Exception as error:  # each interface has its own
+        except errors_of_use() as error:
             stop(f"{lost(error)}; if nothing acknowledges frames, check power, wiring and bit rate")
     if scanner.errors:
         print_text(

@@ -16,7 +16,7 @@ from ..language import notation
 from ..model.formatting import counted
 from ..targets.selected_nodes import selected_nodes
 from . import INTERRUPTED
-from .bus import BusArguments, bus_options, lost, opened_bus, returns_own_frames
+from .bus import BusArguments, bus_options, errors_of_use, lost, opened_bus, returns_own_frames
 from .common import of_edition, read, spec_option, stop
 from .settings import assignment
 from .terminal import print_text
@@ -110,7 +110,7 @@ def simulate(
             simulation.run()
         except KeyboardInterrupt:
             pass
-        except Exception as error:  # each interface has its own
+        except errors_of_use() as error:
             stop(lost(error))
         finally:
             received = f"{counted(simulation.received, 'frame')} received"

@@ -31,7 +31,7 @@ def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[LogFrame
             size, listed = getattr(reader, "file_size", 0), getattr(reader, "object_count", 0)
             for message in reader:
                 objects += 1
-                recorded = _recorded(form, message)
+                recorded = recorded_frame(form, message)
                 if isinstance(recorded, SkippedPart):
                     counts.skip(recorded)
                 else:
@@ -70,7 +70,7 @@ def _reader(form: str) -> Callable[..., MessageReader]:
     return cast("Callable[..., MessageReader]", {"blf": can.BLFReader, "mf4": can.MF4Reader}[form])
 
 
-def _recorded(form: str, message: can.Message) -> LogFrame | SkippedPart:
+def recorded_frame(form: str, message: can.Message) -> LogFrame | SkippedPart:
     """The frame that a message of python-can is, or what it is instead."""
     if message.is_error_frame:
         return SkippedPart.ERROR

@@ -99,10 +99,8 @@ class Log:
     def __iter__(self) -> Iterator[LogFrame]:
         """Raises LogError and OSError."""
         frames = 0
-        source = self._source if self.is_file else cast("BinaryIO", _Stream(self._source, self))
         try:
-            ahead = _AHEAD if self.is_file else _AHEAD_OF_STREAM
-            read = _read(_buffered(source), self.counts, ahead, self.has_differences)
+            read = self.recorded()
             for recorded in joined(read) if self.is_split else read:
                 frames += 1
                 if recorded.frame.remote:
@@ -129,6 +127,12 @@ class Log:
                 f"{self.name} has no frames{_found(self.counts)}; record it with `candump -l`, or as "
                 "ASC, BLF, TRC, MF4, CSV or pcap"
             )
+
+    def recorded(self) -> Iterator[LogFrame]:
+        """The frames, and `counts` of what is skipped."""
+        source = self._source if self.is_file else cast("BinaryIO", _Stream(self._source, self))
+        ahead = _AHEAD if self.is_file else _AHEAD_OF_STREAM
+        return _read(_buffered(source), self.counts, ahead, self.has_differences)
 
 
 class _Stream(io.RawIOBase):

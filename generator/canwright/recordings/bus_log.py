@@ -1,0 +1,57 @@
+"""The frames of a bus of python-can as a log without an end, for a recorder that sends nothing."""
+
+from __future__ import annotations
+
+import io
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from .by_python_can import recorded_frame
+from .log_frame import LogError, LogFrame, SkippedPart
+from .readers import PAUSE, Log
+
+if TYPE_CHECKING:
+    import can
+
+
+class BusLog(Log):
+    """What a bus receives until the user ends it."""
+
+    def __init__(self, bus: can.BusABC) -> None:
+        super().__init__(io.BytesIO(), "the bus")
+        self._bus = bus
+
+    @property
+    def is_file(self) -> bool:
+        return False
+
+    def recorded(self) -> Iterator[LogFrame]:
+        """The frames, without a mark of their direction. Raises LogError."""
+        while (message := self._next()) is not None:
+            recorded = recorded_frame("", message)
+            if isinstance(recorded, SkippedPart):
+                self.counts.skip(recorded)
+            else:
+                yield recorded._replace(mark=None)
+
+    def _next(self) -> can.Message | None:
+        """The next message; None if the user ends the log."""
+        start = time.monotonic()
+        message = self._received(0)
+        if message is None:
+            self.on_wait(0)
+        while message is None and not self.is_ended:
+            message = self._received(PAUSE)
+            if message is None:
+                self.on_wait(time.monotonic() - start)
+        self.waited += time.monotonic() - start
+        return message
+
+    def _received(self, seconds: float) -> can.Message | None:
+        import can
+
+        try:
+            return self._bus.recv(seconds)
+        except (can.CanError, OSError, ValueError) as error:
+            raise LogError(f"the bus does not work any more: {error}") from None
