@@ -31,6 +31,7 @@ const answers = JSON.parse(readFileSync(questions, "utf-8")).map(({ line, parame
     frame: frame.id === null ? `-#${canwright.frames.format({ ...frame, id: 0 }).split("#")[1]}` : canwright.frames.format(frame),
     sent: frame.sent,
     time: frame.time,
+    reasons: frame.id === null ? [] : canwright.meaning.reasons(frame, canwright.meaning.find(leading)),
     found: canwright.meaning.interpret(frame, parameters, leading).map((one) => ({
       edition: one.edition.name,
       direction: one.decoded.direction,

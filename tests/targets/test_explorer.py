@@ -320,6 +320,10 @@ PASTED = {
     "uint8_t data[5] = {0xA1, 0, 0, 0, 100};": "-#A100000064",
     "{A1, 00, 10}": "-#A10010",
     "{.id = 0x141, .data = {0xA1, 0x00}}": "141#A100",
+    "0x141: [0xA1, 0, 0x10]": "141#A10010",
+    "send(0x141, {0xA1, 0x00});": "141#A100",
+    "1500,00000141,false,Rx,0,2,A1,00,": "141#A100",
+    "1500,00000141,true,Rx,0,2,A1,00,": "00000141#A100",
     '{"id": "0x141", "data": "A1 00"}': "141#A100",
     "ID: 0x141 Data: A1 00 00 00 64 00 00 00": "141#A100000064000000",
     "ID=141h, DLC=2, Data=A100": "141#A100",
@@ -374,6 +378,23 @@ def test_what_people_paste(tmp_path: Path) -> None:
     assert readings[:2] == [("request", "set_torque", 1), ("reply", "set_torque", 1)]
     labels = yaml.safe_load((TEMPLATES / "javascript/labels.yaml").read_text("utf-8"))["en"]
     assert {problem[0] for problem in problems} <= {*labels}
+
+
+def test_reasons_name_the_editions(tmp_path: Path) -> None:
+    """No reason of one edition is given for all, and the chosen edition gives its own alone."""
+    folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
+    answers = interpret(
+        folder, [{"line": "141#A132", "parameters": {}, "leading": leading} for leading in ("", "v2.35")]
+    )
+    short = "0x141 has 2 data bytes, not 8"
+    newest = ["v2.36-2025-03", "v2.36-2024-11"]
+    reasons = [{(r["direction"], r["message"]): sorted(r["labels"]) for r in answer["reasons"]} for answer in answers]
+    assert reasons[0] == {
+        ("request", short): sorted(["v2.35", "v2.35-2024-02", *newest]),
+        ("reply", short): ["v2.35", "v2.35-2024-02"],
+        ("reply", "no reply has the id 0x141"): sorted(newest),
+    }
+    assert reasons[1] == {("request", short): ["v2.35"], ("reply", short): ["v2.35"]}
 
 
 def test_the_chosen_edition_leads(tmp_path: Path) -> None:

@@ -259,21 +259,10 @@
     return column === undefined ? say(label) : say("column", column, say(label, ...values));
   }
 
-  /** Why no message fits, by the codec of the chosen edition or the newest one. */
+  /** Why no message fits: a line for each reason, with the editions that give it, as the command line does. */
   function reasons(frame) {
-    const { codec } = meaning.find(state.edition) ?? meaning.editions[0];
-    if (frame.id === null) {
-      return say("no_message");
-    }
-    const texts = [codec.decodeRequest, codec.decodeReply].map((decode) => {
-      try {
-        decode(frame);
-        return "";
-      } catch (error) {
-        return error.message;
-      }
-    });
-    return `${say("no_message")} (${texts.filter(Boolean).join("; ")})`;
+    const listed = frame.id === null ? [] : meaning.reasons(frame, meaning.find(state.edition));
+    return [say("no_message"), ...listed.map(({ direction, message, labels }) => `${say(direction)}: ${message} (${labels.join(", ")})`)].join("\n");
   }
 
   function select(interpretation) {

@@ -18,7 +18,7 @@ canwright.frames = (() => {
   const ID_LABEL = /(?:^|[^a-z])(?:id|标识符)["']?\s*[:=]?\s*["']?(?:0x)?([0-9a-f]+)h?(?![0-9a-z_])/di;
   const LENGTH_LABEL = /(?:^|[^a-z])(?:dlc|dl|len|length|长度)["']?\s*[:=]?\s*(\d+)/di;
   const DATA_LABEL = /(?:data|payload|bytes|数据)["']?\s*(?:\[\d*\])?\s*[:=]/i;
-  const STANDARD = /标准|\bst(?:d|andard)\b/i;
+  const STANDARD = /标准|\bst(?:d|andard)\b|\bfalse\b/i; // `false` is in the column for extended ids
   const EXTENDED = /扩展|\bext(?:ended)?\b|\sX\s/i;
   const TOKEN = /[^\s,;:=|"'(){}[\]]+/g;
   const BYTE = /^(?:0x)?[0-9a-f]{2}$/i;
@@ -147,7 +147,8 @@ canwright.frames = (() => {
     if (stated && Number(stated.token) !== content.length) {
       return { problem: ["bad_count", stated.column, Number(stated.token), content.length] };
     }
-    const id = label ? { token: label[1], column: label.indices[1][0] + 1 } : region.id;
+    const ahead = list ? tokens(0, list.index).findLast(({ token }) => /^0x[0-9a-f]+$/i.test(token)) : undefined;
+    const id = label ? { token: label[1], column: label.indices[1][0] + 1 } : (region.id ?? ahead);
     const digits = id ? id.token.replace(/^0x/i, "") : "";
     const number = id ? parseInt(digits, 16) : null;
     const isLong = digits.length === 8 || (digits.length > 3 && number > 0x7ff);

@@ -326,5 +326,22 @@ canwright.meaning = (() => {
     return `${folder}/commands/${own(edition.pages, command) ?? `${command}.html`}`;
   }
 
-  return { editions, label, find, parameters, invalid, interpret, needed, blank, encode, rawOf, timing, page };
+  /** Why a frame is no message, each reason once with its direction and the labels of the editions that give it. */
+  function reasons(frame, edition) {
+    const groups = new Map();
+    for (const each of edition ? [edition] : editions) {
+      for (const [direction, decode] of [["request", each.codec.decodeRequest], ["reply", each.codec.decodeReply]]) {
+        try {
+          decode(frame);
+        } catch (error) {
+          const key = `${direction} ${error.message}`;
+          const { labels } = groups.get(key) ?? { labels: [] };
+          groups.set(key, { direction, message: error.message, labels: [...labels, label(each)] });
+        }
+      }
+    }
+    return [...groups.values()];
+  }
+
+  return { editions, label, find, parameters, invalid, interpret, reasons, needed, blank, encode, rawOf, timing, page };
 })();

@@ -186,12 +186,23 @@ def _fields(edition: Edition) -> Iterator[Record]:
 
 
 def _quantity(type_: Type) -> Record:
-    """The unit of a type in each spelling, and its resolution."""
+    """The unit of a type in each spelling, its resolution, and its limits."""
     unit = type_.unit
     return {
         "units": [unit.symbol, unit.name, *unit.title.values()] if unit else [],
-        "words": [text for _, text in formatting.scale(type_) if unit],
+        "words": [text for _, text in formatting.scale(type_) if unit] + list(dict.fromkeys(_limits(type_))),
     }
+
+
+def _limits(type_: Type) -> Iterator[str]:
+    """The ends of the ranges of a number that do not depend on the device, in its unit."""
+    for names, limits in type_.raw_range.distinct():
+        if limits is None or not limits.is_constant or not type_.unit:
+            continue
+        for cases, linear in type_.linear.distinct():
+            if linear is not None and linear.times is None and (not names or not cases or {*names} & {*cases}):
+                values = formatting.in_unit(limits, linear)
+                yield from (f"{formatting.bound(end)} {type_.unit.symbol}" for end in (values.low, values.high))
 
 
 def _types(edition: Edition) -> Iterator[Record]:

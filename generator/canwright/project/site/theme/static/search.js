@@ -2,7 +2,7 @@
 // Search without an inverted index: some thousand short texts are compared in a few milliseconds. Libraries for full
 // text split words at spaces, which Chinese does not have, and know neither codes nor rules of ids.
 
-const SEPARATORS = /[\s_\-‐–—,，、;；:：。()（）[\]【】"'“”`!！?？/]+/gu;
+const SEPARATORS = /[\s_+~\-‐–—,，、;；:：。()（）[\]【】"'“”`!！?？/]+/gu;
 const BOUNDARY = /(?<=[\u3400-\u9fff])(?=[a-z0-9])|(?<=[a-z0-9])(?=[\u3400-\u9fff])/gu;
 const CHINESE = /[\u3400-\u9fff]/u;
 /** A number directly before its unit, as `0.01rpm` or `500kbps`, but no hexadecimal number. */
@@ -23,12 +23,15 @@ const REMARK = /(?<=\S)\s*[（(][^（()）]{8,}[)）]/gu;
 const WEIGHTS = { command: 1, type: 0.8, entry: 0.9, id: 0.95, page: 0.9, question: 0.9, heading: 0.88, mode: 0.75, effect: 0.7, field: 0.7, value: 0.65, table: 0.6, erratum: 0.45, parameter: 0.55, setting: 0.5, state: 0.5, neighbour: 0.5 };
 /** For an item that is the whole query: the type of a field comes before the commands that have it. */
 const WHOLE = { heading: 0, type: 0.99 };
+/** A field of more commands than these does not lead to them by its name alone. */
+const FREQUENT = 4;
 const ABOUT = 0.3;
 const EXACT = 10;
 const SYNONYM = 0.85;
-const TYPO = 0.6;
 /** For a page whose items contain the terms, each another one. */
 const SCATTERED = 0.85;
+/** Of a query with typos, how many corrections are compared. */
+const SPELLINGS = 6;
 /** Weight of a word that is in many questions, beside 1 and more for the others. */
 const STOP = 0.05;
 /** A page whose score is below this share of the best one is no hit. */
@@ -111,10 +114,12 @@ function createSearch(index, language) {
   for (const { folder, records } of [{ folder: "", records: index.questions }, ...index.editions]) {
     for (const record of records) {
       const codes = (record.code ?? "").split(", ").flatMap(code => [code, code.replace(/^0x/, ""), code.replace(/^0x(\w+)$/, "$1h")]);
-      const words = [record.name, ...(record.printed ?? "").split(", "), ...Object.values(record.title ?? {}), ...(record.words ?? [])].flatMap(spellings);
+      const rule = record.ids ? [record.name.replace(/^0x/, "")] : [];
+      const words = [record.name, ...rule, ...(record.printed ?? "").split(", "), ...Object.values(record.title ?? {}), ...(record.words ?? [])].flatMap(spellings);
       const texts = [...words, ...[...codes, ...(record.units ?? [])].map(normalized)].filter(Boolean);
       const about = [record.about ?? {}, ...(record.notes ?? [])].flatMap(Object.values).map(normalized);
-      const item = { ...record, title: inLanguage(record.title), texts: [...new Set(texts)], about };
+      const isEverywhere = record.kind === "field" && new Set(record.pages.map(place => place.split("#")[0])).size > FREQUENT;
+      const item = { ...record, title: inLanguage(record.title), texts: [...new Set(texts)], about, isEverywhere };
       for (const place of record.pages ?? []) {
         const [path, anchor] = place.split("#");
         add(folder, path, anchor ? { ...item, anchor } : item);
@@ -129,16 +134,20 @@ function createSearch(index, language) {
   const families = new Map(index.editions.map(edition => [edition.folder, edition.family]));
   const newest = index.editions.at(-1)?.folder ?? "";
 
-  /** The editions that a query names, and the rest of it: `11 v2.35` or `2.36 dim`. */
+  /**
+   * The editions that a query names, the one that it means first, and the rest of it: `11 v2.35` or `2.36 dim`.
+   * A version is also that of later editions with the same number, which can have what the first one lacks.
+   */
   function ofEditions(query) {
     const labels = index.editions.map(({ folder, name }) => ({ folder, label: normalized(name) }));
+    const numbered = ({ folder, label }) => ({ folder, label: label.replace(/^v/u, "") });
     const isNamed = text => ` ${query} `.includes(` ${text} `);
     const spelled = labels.flatMap(({ folder, label }) => [label, label.replace(/^v/u, ""), label.replace(/^\S+ /u, "")].map(text => ({ folder, text })));
     const exact = spelled.filter(({ text }) => text.length > 3 && isNamed(text)).sort((a, b) => b.text.length - a.text.length)[0];
-    if (exact) { return { folders: [exact.folder], rest: ` ${query} `.replace(` ${exact.text} `, " ").trim() }; }
-    const version = query.match(/(?:^| )(v?\d+\.\d+[\d. ]*?)(?= [^\d]|$)/u)?.[1];
-    const some = version ? labels.filter(({ label }) => label.replace(/^v/u, "").startsWith(version.replace(/^v/u, ""))) : [];
-    return some.length ? { folders: some.map(({ folder }) => folder), rest: query.replace(version, " ").replace(/ +/gu, " ").trim() } : { folders: [], rest: query };
+    const version = exact?.text ?? query.match(/(?:^| )(v?\d+\.\d+[\d. ]*?)(?= [^\d]|$)/u)?.[1];
+    const same = version ? labels.map(numbered).filter(({ label }) => `${label} `.startsWith(`${version.replace(/^v/u, "")}`)).map(({ folder }) => folder) : [];
+    const folders = [...new Set(exact ? [exact.folder, ...same] : same)];
+    return folders.length ? { folders, means: exact?.folder ?? "", rest: ` ${query} `.replace(` ${version} `, " ").replace(/ +/gu, " ").trim() } : { folders, means: "", rest: query };
   }
 
   /** The terms of a query, each with the words that mean the same. */
@@ -151,7 +160,7 @@ function createSearch(index, language) {
       const end = longest || nextEnd(rest);
       const word = rest.slice(0, end);
       const same = starts.filter(start => start.word.length === longest).flatMap(start => start.group);
-      list.push({ word, same: [...new Set(same)].filter(synonym => synonym !== word), factor: SYNONYM });
+      list.push({ word, same: [...new Set(same)].filter(synonym => synonym !== word) });
       rest = rest.slice(end).trim();
     }
     return list;
@@ -179,15 +188,26 @@ function createSearch(index, language) {
     return new Set([...groups.flat().filter(word => word[0] === term[0]), ...(term.length > 2 ? parts : [])].filter(word => word.length >= term.length && CHINESE.test(word)));
   }
 
-  /** The term with the words of the pages that differ from it by a typo, if no page has it. */
-  function corrected(term) {
-    const most = term.word.length > 7 ? 2 : 1;
-    const isChinese = CHINESE.test(term.word) && term.word.length > 1;
-    if (!isChinese && !/^[a-z]{4,}$/u.test(term.word)) { return term; }
-    const near = [...(isChinese ? neighbours(term.word) : vocabulary)].map(word => ({ word, far: distance(term.word, word, most) })).filter(({ far }) => far <= most);
-    const least = Math.min(...near.map(({ far }) => far));
-    const same = near.filter(({ far }) => far === least).flatMap(({ word }) => [word, ...groups.filter(group => group.includes(word)).flat()]);
-    return { word: term.word, same: [...new Set(same)], factor: TYPO };
+  /** The words of the pages that differ least from a word with a typo; of `32a`, the number and its unit. */
+  function near(word) {
+    const quantity = word.match(/^(\d+)([a-z])$/u);
+    if (quantity) { return [`${quantity[1]} ${quantity[2]}`]; }
+    const most = word.length > 7 ? 2 : 1;
+    const isChinese = CHINESE.test(word) && word.length > 1;
+    if (!isChinese && !/^[a-z]{4,}$/u.test(word)) { return []; }
+    const candidates = [...(isChinese ? neighbours(word) : vocabulary)].map(text => ({ text, far: distance(word, text, most) }));
+    const least = Math.min(most, ...candidates.map(({ far }) => far));
+    return candidates.filter(({ far }) => far === least).map(({ text }) => text);
+  }
+
+  const isUnknown = part => !stops.has(part.word) && items.every(item => !value(item, part));
+
+  /** A query with the words of the pages instead of words with typos, in each way that is probable. */
+  function spelled(query) {
+    return terms(query).filter(isUnknown).reduce((queries, { word }) => {
+      const words = near(word);
+      return words.length ? queries.flatMap(each => words.map(right => each.replace(word, right))).slice(0, SPELLINGS) : queries;
+    }, [query]);
   }
 
   /** Instead of a Chinese term that nothing contains, not even with a typo: the longest parts of it that texts contain. */
@@ -212,18 +232,18 @@ function createSearch(index, language) {
   }
 
   /** How well an item matches a term. */
-  function value(item, { word, same, factor }) {
+  function value(item, { word, same }) {
     let best = ofId(item, word) ? 1 : 0;
     for (const text of item.texts) {
-      best = Math.max(best, quality(word, text), ...same.map(synonym => factor * quality(synonym, text)));
+      best = Math.max(best, quality(word, text), ...same.map(synonym => SYNONYM * quality(synonym, text)));
     }
-    for (const text of best ? [] : item.about) { best = Math.max(best, ABOUT * quality(word, text), ...same.map(synonym => ABOUT * factor * quality(synonym, text))); }
+    for (const text of best ? [] : item.about) { best = Math.max(best, ABOUT * quality(word, text), ...same.map(synonym => ABOUT * SYNONYM * quality(synonym, text))); }
     return best * WEIGHTS[item.kind];
   }
 
   /** The score of an item that is what the whole query says; 0 for any other. */
   function whole(item, query) {
-    if (!query || ["question", "effect"].includes(item.kind)) { return 0; }
+    if (!query || item.isEverywhere || ["question", "effect"].includes(item.kind)) { return 0; }
     const isType = item.kind === "type" && groups.some(group => group.includes(query) && group.some(word => item.texts.includes(word)));
     if (!isType && !ofId(item, query) && !item.texts.includes(query)) { return 0; }
     return EXACT + (WHOLE[item.kind] ?? WEIGHTS[item.kind]);
@@ -232,17 +252,10 @@ function createSearch(index, language) {
   /** How well each item matches each term. */
   const valued = parts => new Map(items.map(item => [item, parts.map(part => value(item, part))]));
 
-  /** The terms of a query with the values of all items; terms that nothing contains are corrected or divided. */
+  /** The terms of a query with the values of all items; Chinese terms that nothing contains are divided. */
   function matched(query) {
-    const parts = terms(query);
-    const values = valued(parts);
-    const isUnknown = (part, i) => !stops.has(part.word) && items.every(item => !values.get(item)[i]);
-    if (!parts.some(isUnknown)) { return { parts, values }; }
-    const mended = parts.flatMap((part, i) => {
-      const near = isUnknown(part, i) ? corrected(part) : part;
-      return near.same.length || near === part ? [near] : pieces(near);
-    });
-    return { parts: mended, values: valued(mended) };
+    const parts = terms(query).flatMap(part => isUnknown(part) ? pieces(part) : [part]);
+    return { parts, values: valued(parts) };
   }
 
   /** Pages with their scores: the mean over the terms, in which a rare term weighs more than a frequent one. */
@@ -278,10 +291,11 @@ function createSearch(index, language) {
 
   /** The hits of a query, best first; those of `edition` before those of others that match as well. */
   return function search(text, edition, texts) {
-    const { folders, rest: query } = ofEditions(simplified(text));
+    const { folders, means, rest: query } = ofEditions(simplified(text));
+    const preferred = means || edition;
     if (!query && !folders.length) { return []; }
     const isOf = folder => !folders.length || folders.includes(folder);
-    const all = query ? scored(query, normalized(text)) : [...documents.values()].map(found => ({ found, item: found.main ?? found.items[0], score: found.path === "index" && found.folder ? 1 : 0 }));
+    const all = query ? spelled(query).flatMap(each => scored(each, normalized(text))) : [...documents.values()].map(found => ({ found, item: found.main ?? found.items[0], score: found.path === "index" && found.folder ? 1 : 0 }));
     const own = all.filter(({ found }) => isOf(found.folder) || (query && !found.folder));
     const most = Math.max(0, ...own.map(({ score }) => score));
     const pages = new Map();
@@ -289,12 +303,12 @@ function createSearch(index, language) {
       const key = `${families.get(hit.found.folder) ?? ""} ${hit.found.path}`;
       pages.set(key, [...(pages.get(key) ?? []), hit]);
     }
-    const isCurrent = hit => hit.found.folder === edition;
+    const isCurrent = hit => hit.found.folder === preferred;
     const ranked = [...pages.values()].map(hits => {
       const top = Math.max(...hits.map(hit => hit.score));
       const good = hits.filter(hit => hit.score >= top * 0.9);
       const best = good.find(isCurrent) ?? good.find(hit => hit.found.folder === newest) ?? good.at(-1);
-      return { best, hits, top, level: Math.floor(Math.min(top, EXACT) * 5), current: edition !== "" && isCurrent(best) };
+      return { best, hits, top, level: Math.floor(Math.min(top, EXACT) * 5), current: preferred !== "" && isCurrent(best) };
     });
     ranked.sort((a, b) => b.level - a.level || b.current - a.current || b.top - a.top || a.best.found.order - b.best.found.order);
     return ranked.map(({ best, hits }) => shown(best, hits, texts));
