@@ -266,6 +266,8 @@ def test_a_log_without_a_frame_of_the_family_is_undecided(tmp_path: Path) -> Non
     for command in ("decode", "identify"):
         result = CliRunner().invoke(main, [command, str(log)])
         assert (result.exit_code, result.output.splitlines()[-1]) == (1, "undecided: no frame has an id of mwd_motor")
+    log.write_text("(1.0) can0 141#FF\n(1.1) can0 141#9AFF\n", "utf-8")
+    assert "undecided" not in CliRunner().invoke(main, ["decode", str(log)]).output
 
 
 def test_ids_of_neighbours_get_the_sentence_of_the_spec() -> None:

@@ -302,7 +302,7 @@ def _print(
     print_text(summary_text(summary, nodes, log.counts), error=outputs.prints_rows and outputs.form != "text")
     behaviours = directions.behaviours or {}
     doubtful = [*doubts(summary, behaviours)]
-    if summary.foreign and not summary.nodes:
+    if summary.foreign and not summary.nodes and nodes.is_complete({}):
         doubtful.append(f"undecided: no frame has an id of {editions[0].family}")
     unknown = dict.fromkeys(name for e in editions for m in e.all_messages() for name in m.parameters)
     unset = [f"ids or constants contain `{name}`, which is unknown: --set {name}=NUMBER" for name in unknown]
