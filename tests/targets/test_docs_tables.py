@@ -141,3 +141,21 @@ def test_bits_are_called_reserved_where_some_are_left(pages: dict[str, str]) -> 
     assert "| Fields |" in _entry(writing, "gains")
     assert _entry(writing, "level").count(said) == 0
     assert _entry(reading, "level").count(said) == 1
+
+
+def test_errata_that_commands_share_are_one_line(pages: dict[str, str]) -> None:
+    alone, shared = pages["commands/read_setting.md"], pages["commands/dim.md"]
+    assert "- [of_dim](../errata.md#errata.of_dim): U\n" in shared
+    assert "- [of_table](../errata.md#errata.of_table): U\n" in alone
+    assert "Printed in the manual" not in shared
+    assert "Printed in the manual" in pages["errata.md"]
+
+
+def test_a_command_that_moves_says_what_stops(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.yaml"
+    stop = '  halt: {code: 0x12, manual: "1", ends_motion: stop, effects: [moves], request: {}, reply: {}}\n'
+    text = MINIMAL.replace("  dim:\n", f"{stop}  dim:\n    effects: [moves]\n")
+    spec.write_text(f"{text}effects: {{moves: {{level: danger, consent: motion}}}}\n", "utf-8")
+    texts = {output.path: output.text for output in DocsTarget().generate([specification(spec)], {})}
+    assert "\nTo stop the motion: [0x12 Halt](halt.md)\n" in texts["en/v1/commands/dim.md"]
+    assert "To stop the motion" not in texts["en/v1/commands/halt.md"]

@@ -12,7 +12,7 @@ from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame, GoldenFrames, Value
 from ...model.layout import Layout, Variant
 from ...model.message import Command, Direction, Message
-from ...model.metadata import Mode
+from ...model.metadata import Consent, EndsMotion, Mode
 from ...templating.markup import code, markdown
 from ..base import WorkedExchange
 from ..examples import Examples
@@ -162,6 +162,7 @@ class Common:
 
     def _sheets(self) -> Iterator[Sheet]:
         groups = list(self.edition.groups.values())
+        stops = [command for command in self.edition.commands if command.ends_motion is EndsMotion.STOP]
         for previous, group, following in zip((None, *groups), groups, (*groups[1:], None), strict=False):
             first, entry = group[0], group[0].entry
             chosen = [self._examples.select(command) for command in group]
@@ -179,6 +180,8 @@ class Common:
                 "previous": previous[0] if previous else None,
                 "following": following[0] if following else None,
                 "errata": errata,
+                "shared_errata": [e.id for e in errata if not {*self.touched[e.id]} <= {c.name for c in group}],
+                "stops": [] if first.ends_motion or not _moves(first) else stops,
             }
             forms = [
                 Form(
@@ -232,6 +235,11 @@ class Common:
             only = f"{message.layout.parameter} {', '.join(variant.values)}" if several else ""
             file = f"{command.name}-{message.direction.value}{suffix}.svg"
             yield Drawn(file, self._drawings.drawing(message, variant), only)
+
+
+def _moves(command: Command) -> bool:
+    """Whether a command needs the consent for motion."""
+    return any(effect.consent is Consent.MOTION for effect in command.effects)
 
 
 def _can_be(command: Command, layout: Layout, variant: Variant) -> bool:
