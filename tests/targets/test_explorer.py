@@ -432,6 +432,9 @@ def test_both_languages_have_the_same_labels() -> None:
     assert list(labels) == ["en", "zh"] and list(labels["en"]) == list(labels["zh"])
     sources = ROOT / "generator/canwright/targets/javascript/explorer/explorer.js"
     page = (TEMPLATES / "javascript/explorer.html.j2").read_text("utf-8")
+    codec = (ROOT / "generator/canwright/targets/javascript/runtime/canwright-codec.js").read_text("utf-8")
+    rejections = {*re.findall(r'\brejection\("(\w+)"|this\.reason === "(\w+)"', codec)}
+    assert {name for names in rejections for name in names} - {"", "not_answer"} <= set(labels["en"])
     used = set(re.findall(r'\bsay\("(\w+)"', sources.read_text("utf-8"))) | set(re.findall(r'data-label="(\w+)"', page))
     assert used <= set(labels["en"]) and "innerHTML" not in sources.read_text("utf-8")
 
