@@ -118,12 +118,13 @@ def differences(settings: Mapping[str, Any], others: Mapping[str, Any]) -> dict[
 
 def variables_of(message: Message) -> dict[str, Any]:
     """The values of a message, by the variables of the node that they are. Raises CodecError without a parameter."""
-    names = message.no_values()
-    values: dict[str, Any] = {}
-    for field in message.fields():
-        value = getattr(message, field)
-        values[message.VARIABLES.get(field, field)] = names.get(field) if value is None else value
-    return values
+    return {message.VARIABLES.get(field, field): value_of(message, field) for field in message.fields()}
+
+
+def value_of(message: Message, field: str) -> Any:
+    """The value of a field; the name where there is no value. Raises CodecError without a parameter."""
+    value = getattr(message, field)
+    return message.no_values().get(field) if value is None else value
 
 
 def effects_of(request: Message) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import can
 
 from ._codec import ArrayType, CodecError, FieldType, Message, Refusal, Request, places
-from .client import effects_of, frame_of
+from .client import effects_of, frame_of, value_of
 from .exchange import Copies
 from .nodes import Node, Numbering
 from .python_can import from_message, to_message
@@ -131,7 +131,7 @@ class SimulatedNode:
 
     def _store(self, request: Request[Any]) -> None:
         written = {
-            variable: _value(request, name)
+            variable: _stored(request, name)
             for name, variable in request.VARIABLES.items()
             if name in request.fields() and request.raw()[name] not in request.EXEMPT.get(name, {})
         }
@@ -178,13 +178,12 @@ class SimulatedNode:
         return (raw,) * type_.count if isinstance(type_, ArrayType) else raw
 
 
-def _value(message: Message, name: str) -> Any:
-    """The value of a field; its raw integer where it has no scale, and the name where there is no value."""
+def _stored(message: Message, name: str) -> Any:
+    """The value of a field as a node stores it: its raw integer where it has no scale."""
     try:
-        value = getattr(message, name)
+        return value_of(message, name)
     except CodecError:
         return message.raw()[name]
-    return message.no_values().get(name) if value is None else value
 
 
 def _nearest_raw(type_: FieldType, value: Any, parameters: Any, name: str) -> Any:

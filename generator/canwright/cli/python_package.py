@@ -53,12 +53,12 @@ class PythonPackage:
         return class_.unpack(node, frame.id, frame.data, self._parameters)
 
 
-def frame_of(message: Any) -> CanFrame:
+def model_frame(message: Any) -> CanFrame:
     """The frame of a decoded message, bit for bit."""
     return CanFrame(message.can_id, message.encode_unchecked(), extended=message.EXTENDED, remote=message.REMOTE)
 
 
-def reply_of(edition: Edition, message: Any) -> Message:
+def model_reply(edition: Edition, message: Any) -> Message:
     """The reply of the model that a message of the package is."""
     replies = (m for m in edition.all_messages() if m.direction is Direction.REPLY)
     return next(reply for reply in replies if class_name(reply.name) == type(message).__name__)

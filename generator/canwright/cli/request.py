@@ -16,14 +16,15 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Message
 from ..model.metadata import Consent
+from ..recordings.bus_log import sentence
 from ..semantics.configured import configured
 from ..semantics.frame import CanFrame
 from ..targets.selected_nodes import selected_nodes
-from .bus import BusArguments, bus_options, opened_bus, sentence
+from .bus import BusArguments, bus_options, opened_bus
 from .command_view import find
 from .common import FINDINGS, of_edition, read, spec_option, stop
 from .encode import encoded, meaning_of, written_values
-from .python_package import PythonPackage, frame_of, only_edition, reply_of
+from .python_package import PythonPackage, model_frame, model_reply, only_edition
 from .settings import assignment
 from .terminal import print_text
 
@@ -111,7 +112,7 @@ def request(
             else:
                 replies, errors = _exchanged(package, client, requests, " ".join(allow))
                 for reply in replies:
-                    print_text(meaning_of(ours, reply_of(ours, reply), frame_of(reply), given))
+                    print_text(meaning_of(ours, model_reply(ours, reply), model_frame(reply), given))
     for reason in errors:
         if isinstance(reason, package.client.BusLost):
             stop(sentence(reason.__cause__ or reason))

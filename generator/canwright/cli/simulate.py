@@ -14,9 +14,10 @@ import click
 from ..diagnostics.unicode_safety import visible
 from ..language import notation
 from ..model.formatting import counted
+from ..recordings.bus_log import errors_of_use, lost
 from ..targets.selected_nodes import selected_nodes
 from . import INTERRUPTED
-from .bus import BusArguments, bus_options, errors_of_use, lost, opened_bus, returns_own_frames
+from .bus import BusArguments, bus_options, opened_bus, returns_own_frames
 from .common import of_edition, read, spec_option, stop
 from .settings import assignment
 from .terminal import print_text
