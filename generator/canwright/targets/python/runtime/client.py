@@ -44,6 +44,8 @@ KEPT = ("ram", "staged", "rom")
 """How long a node can keep a setting, the shortest first."""
 TIMEOUT = 0.02
 """The time in seconds that adapter, driver and scheduler may add to the time of the reply."""
+LISTEN = 0.1
+"""The longest time in seconds that listening waits at once, so that an interrupt ends it on every system."""
 STOP_TRIES = 3
 UNSOLICITED = 1 << 12
 """The most frames without a request that are stored."""
@@ -564,12 +566,22 @@ class ClientCore:
                     raise NotWritten(f"{name} of {node!r} is {values[name]!r} after {changed[name][1]!r} was written")
         return changed
 
-    def _listen_steps(self, seconds: float) -> Steps[None]:
-        until = time.monotonic() + seconds
+    def _listen_steps(self, until: float) -> Steps[Message | None]:
+        """The next frame that a node sent without a request; None if none came until then."""
         self._check_bus()
-        while (frame := (yield until)) is not None or time.monotonic() < until:
+        while not self.unsolicited:
+            now = time.monotonic()
+            frame = yield min(until, now + LISTEN)
             if frame is not None:
                 self._idle(frame)
+            elif now >= until:
+                return None
+        return self.unsolicited.popleft()
+
+    def _restart(self, bus: can.BusABC) -> None:
+        """Another bus object: nothing is known of the nodes."""
+        self.bus, self._lost = bus, None
+        self._start()
 
     def _check_bus(self) -> None:
         if self._lost is not None:
@@ -742,18 +754,19 @@ class Client(ClientCore):
             yield number
             time.sleep(pause())
 
-    def receive(self, seconds: float) -> list[Message]:
-        """The frames that nodes sent without a request, after waiting for more."""
-        self._drive(self._listen_steps(seconds))
-        messages = [*self.unsolicited]
-        self.unsolicited.clear()
-        return messages
+    def receive(self, seconds: float = math.inf) -> Iterator[Message]:
+        """The frames that nodes send without a request, as they come, for a time in seconds. Raises BusLost.
+
+        Requests of other threads wait meanwhile; frames that come while a request is open are kept.
+        """
+        until = time.monotonic() + seconds
+        while (message := self._drive(self._listen_steps(until))) is not None:
+            yield message
 
     def reopen(self, bus: can.BusABC) -> None:
         """Starts again with another bus object, after BusLost. Nothing is known of the nodes."""
         with self._lock:
-            self.bus, self._lost = bus, None
-            self._start()
+            self._restart(bus)
             self._drive(self._open_steps())
 
     def close(self) -> None:
