@@ -203,6 +203,9 @@ def test_mistakes_are_named(package: dict[str, ModuleType]) -> None:
     module, nodes = _nodes(package, "v2_35")
     with pytest.raises(ValueError, match=r"loss=2 is no rate from 0 to 1"):
         package["simulation"].Simulation(_Frames(), nodes, faults=package["simulation"].Faults(loss=2))
+    request = module.SetPowerRequest(node=1, power=200)  # for motors of another series
+    frame = can.Message(arbitration_id=request.can_id, data=request.encode(), is_extended_id=False)
+    assert package["simulation"].SimulatedNode(nodes[0]).decode(frame) is None
     blank = package["simulation"].SimulatedNode(package["nodes"].Node(module, 1))
     with pytest.warns(UserWarning, match=r"does not answer ReadStatus2Request\(node=1\): .*series"):
         assert blank.answer(module.ReadStatus2Request(node=1)) == []

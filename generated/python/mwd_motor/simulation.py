@@ -106,6 +106,8 @@ class SimulatedNode:
         """The request to this node in a frame; None if it is none."""
         try:
             request: Request[Any] = from_message(frame, self.node.decode_request)
+            if request.ONLY:  # rejected where the node lacks the command
+                request.replace(parameters=self.node.parameters)
         except CodecError:
             return None
         is_asked = self.node.node in request.REPLIERS if request.REPLIERS else request.node in (None, self.node.node)

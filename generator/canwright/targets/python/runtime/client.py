@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 import can
 
-from ._codec import CodecError, Message, Request
+from ._codec import CodecError, Message, Request, places
 from .exchange import (
     NO_REPLY,
     NOT_SENT,
@@ -268,7 +268,7 @@ class ClientCore:
 
     def _line(self, node: Node[Any, Any]) -> Line:
         facts = node.edition.client_facts
-        requests = (_made(node, read) for read in facts.reads)
+        requests = (_decodable(node, read) for read in facts.reads)
         reads = [self._call(node, request, self._timeout) for request in requests if request is not None]
         sent, received = ({ids[::2] for ids in node.ids_of(direction)} for direction in ("request", "reply"))
         longest = 47 + 64  # bits of a frame with 8 bytes, without stuff bits
@@ -348,6 +348,8 @@ class ClientCore:
             raise error
         if request.ONLY:
             request.replace(parameters=node.parameters)  # rejected where the node lacks the command
+        if type(request) not in node.edition.client_facts.ends_motion.values():
+            _check_replies(node, type(request))
 
     def _moves(self, node: Node[Any, Any], request: Message) -> bool:
         effects = node.edition.client_facts.effects
@@ -607,6 +609,22 @@ def _made(node: Node[Any, Any], read: type[Request[Any]]) -> Request[Any] | None
         return node.make(read)
     except CodecError:
         return None
+
+
+def _check_replies(node: Node[Any, Any], request: type[Message]) -> None:
+    """Raises CodecError if a reply cannot be decoded without a parameter that is unknown."""
+    for kind in node.edition.replies_to(request):
+        if kind.VARIANT_BY:
+            places(kind, node.parameters)
+
+
+def _decodable(node: Node[Any, Any], read: type[Request[Any]]) -> Request[Any] | None:
+    """A read for a node; None if the node does not have it, or if its reply could not be decoded."""
+    try:
+        _check_replies(node, read)
+    except CodecError:
+        return None
+    return _made(node, read)
 
 
 def frame_of(message: can.Message) -> Frame:
