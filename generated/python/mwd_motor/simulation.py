@@ -13,7 +13,7 @@ import random
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -91,6 +91,11 @@ class SimulatedNode:
     def __repr__(self) -> str:
         return f"SimulatedNode({self.node!r}, state={self.state!r}, values={self.values!r})"
 
+    def start_with(self, values: Mapping[str, Any]) -> None:
+        """Sets first values, which the node also has when it starts again."""
+        self._kept |= values
+        self.values |= values
+
     def power_on(self) -> None:
         """Starts again: with the first values and those that are kept after power-off, in the state after power-up."""
         self.values = dict(self._kept)
@@ -106,6 +111,8 @@ class SimulatedNode:
         """The request to this node in a frame; None if it is none."""
         try:
             request: Request[Any] = from_message(frame, self.node.decode_request)
+            if request.ONLY:  # rejected where the node lacks the command
+                request.replace(parameters=self.node.parameters)
         except CodecError:
             return None
         is_asked = self.node.node in request.REPLIERS if request.REPLIERS else request.node in (None, self.node.node)

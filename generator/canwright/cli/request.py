@@ -25,7 +25,7 @@ from .command_view import find
 from .common import FINDINGS, of_edition, read, spec_option, stop
 from .encode import encoded, meaning_of, written_values
 from .python_package import PythonPackage, model_frame, model_reply, only_edition
-from .settings import assignment
+from .settings import assignment, known_values
 from .terminal import print_text
 
 TIMEOUT = 0.2
@@ -89,6 +89,11 @@ def request(
         numbers = selected_nodes(nodes, [ours])
     except ValueError as error:
         stop(f"--node {visible(nodes)}: {error}")
+    asked = ours.command(message.command)
+    lacking = [name for name in asked.reply_parameters if name not in given and not asked.ends_motion]
+    if lacking:
+        needed = " or ".join(known_values([ours], name) for name in lacking)
+        stop(f"the reply of {message.command} depends on {', '.join(lacking)}; give --set {needed}")
     written = written_values(values)
     has_node = message.id.nodes is not None or message.node_in_data is not None
     frames: dict[int | None, CanFrame] = {}
