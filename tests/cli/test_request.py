@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import can
 import pytest
 from canwright.cli import main
 from click.testing import CliRunner, Result
 
-from ..spec_texts import SPECS
+from ..spec_texts import ROOT, SPECS
 from .live import MG, NEW, OLD, answering, free_port, simulated
 
 SLOW = ("--timeout", "5")
@@ -54,6 +56,21 @@ def test_what_has_an_effect_needs_consent() -> None:
         assert run("consent", "motor_stop", "--node", "1", "--edition", NEW, *MG, *SLOW).stderr == ""
         assert run("consent", *move).exit_code == 0
         assert simulation[1].values["control_parameters.max_speed"] == 500
+
+
+@pytest.mark.parametrize(("edition", "module"), [(OLD, "v2_35"), (NEW, "v2_36_2025_03")])
+def test_the_quick_start_moves_a_node_and_stops_it(edition: str, module: str) -> None:
+    page = (ROOT / "generated/docs/en/quickstart.md").read_text("utf-8").partition(f"mwd_motor {edition}\n")[2]
+    lines = re.findall(rf"canwright request (.*) --edition {edition} -i socketcan -c can0", page)
+    with answering(module, f"quick {edition}") as simulation:
+        results = [
+            run(f"quick {edition}", *line.replace("=MS", "=MG").split(), "--edition", edition, *SLOW) for line in lines
+        ]
+        assert [(result.exit_code, "reply of" in result.stdout) for result in results] == [(0, True)] * 6, results
+        assert simulation[1].state == "off"
+    assert [line for line in lines if "--allow" in line] == [
+        "move_by_angle_at_speed increment=90 max_speed=90 --node 1 --allow motion --set series=MS"
+    ]
 
 
 def test_a_broadcast_gathers_the_replies_of_the_nodes() -> None:
@@ -120,6 +137,11 @@ def test_a_lost_bus_ends_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> Non
         ),
         (("set_torque", "--node", "1", "--edition", NEW, *MG), 1, "set_torque_request lacks 1 value: iq=-33..33 A"),
         (("set_torque", "iq=40", "--node", "1", "--edition", NEW, *MG), 1, "; it takes -33..33 A"),
+        (
+            ("read_status_2", "--node", "1", "--edition", OLD),
+            2,
+            "the reply of read_status_2 depends on series; give --set series=MF|MG|MH|MS",
+        ),
         (("set_torque", "iq", "--node", "1", "--edition", NEW, *MG), 2, "`iq` is not a value; write FIELD=VALUE"),
     ],
 )

@@ -64,10 +64,12 @@ def test_nodes_answer_until_an_interrupt_and_frames_are_counted() -> None:
         bus.send(READ_STATUS_1)
         replies.append(bus.recv(WAIT))
 
-    result = run_beside(host, "counted", "v2.36-2025-03", "--node", "1..4")
+    result = run_beside(
+        host, "counted", "v2.36-2025-03", "temperature=-3", "errors=low_voltage,over_current", "--node", "1..4"
+    )
     first, second = replies
     assert first and second
-    assert (first.arbitration_id, first.data.hex()) == (0x181, "9a00580200000000")  # 6 V, the least that is plausible
+    assert (first.arbitration_id, first.data.hex()) == (0x181, "9afd580200000011")  # 6 V, the least that is plausible
     assert second.data == first.data
     assert (result.exit_code, result.stderr) == (130, "mwd_motor v2.36-2025-03, nodes 1..4; Ctrl-C ends\n")
     assert result.stdout == "3 frames received, 2 sent, 1 of no request to these nodes\n"
@@ -122,6 +124,13 @@ def test_a_lost_bus_ends_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> Non
     [
         (("--node", "1"), "write the one to simulate: canwright simulate EDITION"),
         (("v2.53", "--node", "1"), "there is no edition `v2.53`; did you mean `v2.35`?"),
+        (("v2.35", "v2.36", "--node", "1"), "`v2.36` is not a value; write NAME=VALUE"),
+        (("v2.35", "voltag=48", "--node", "1"), "no reply contains `voltag`; did you mean `voltage`?"),
+        (("v2.35", "voltage=high", "--node", "1"), "voltage=high: `high` is not a number"),
+        (
+            ("v2.35", "iq=2.5", "--node", "1"),
+            "iq=2.5: `iq` depends on `series`, which is missing; give --set series=MF|MG|MH|MS",
+        ),
         (("v2.35", "--node", "0..4"), "--node 0..4: mwd_motor v2.35 has no node 0; its nodes are 1..32"),
         (("v2.35", "--node", "first"), "--node first: `first` is not a node; write nodes as 5,7 or 1..8"),
         (("v2.35", "--node", "1", "--loss", "101%"), "`101%` is not a share from 0 to 1; write it as 1% or 0.01"),

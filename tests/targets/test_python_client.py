@@ -216,6 +216,18 @@ def test_motion_wear_and_contact_need_consent(bench: Make) -> None:
         assert bus.sent() == ["141 8C", "141 81", "141 19"]
 
 
+def test_a_request_whose_reply_could_not_be_decoded_is_not_sent(bench: Make) -> None:
+    """Without the series: else the motor would move, and its reply would be lost. It can be stopped."""
+    bus = bench()
+    unknown = [type(node)(node.edition, node.node) for node in bus.nodes]
+    with bus.client_module.Client(bus.bus, unknown, allow="motion") as client:
+        bus.sent()
+        with pytest.raises(bus.client_module.NotSent, match="depends on series, which is not given"):
+            client.request(bus.edition.MoveByAngleRequest(node=1, increment=90))
+        assert client.request(bus.edition.MotorStopRequest(node=1))
+        assert bus.sent() == ["141 81"]
+
+
 def test_only_what_is_safe_is_repeated(bench: Make) -> None:
     bus = bench()
     edition = bus.edition

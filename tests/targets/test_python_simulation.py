@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import warnings
 from collections import Counter
@@ -202,6 +203,9 @@ def test_mistakes_are_named(package: dict[str, ModuleType]) -> None:
     module, nodes = _nodes(package, "v2_35")
     with pytest.raises(ValueError, match=r"loss=2 is no rate from 0 to 1"):
         package["simulation"].Simulation(_Frames(), nodes, faults=package["simulation"].Faults(loss=2))
+    request = module.SetPowerRequest(node=1, power=200)  # for motors of another series
+    frame = can.Message(arbitration_id=request.can_id, data=request.encode(), is_extended_id=False)
+    assert package["simulation"].SimulatedNode(nodes[0]).decode(frame) is None
     blank = package["simulation"].SimulatedNode(package["nodes"].Node(module, 1))
     with pytest.warns(UserWarning, match=r"does not answer ReadStatus2Request\(node=1\): .*series"):
         assert blank.answer(module.ReadStatus2Request(node=1)) == []
@@ -220,10 +224,7 @@ def test_a_lost_bus_ends_the_thread(package: dict[str, ModuleType]) -> None:
         simulation.stop()
 
 
-def test_cyclic_frames_come_at_their_period(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    spec = tmp_path / "lamp.yaml"
-    spec.write_text(
-        """\
+LAMP = """\
 canwright: 1
 family: lamp
 edition: v1
@@ -232,12 +233,19 @@ selector: {at: 0, raw: u8}
 commands:
   set: {code: 0x11, request: {target: {at: 2, raw: u16, variable: level}}, reply: none}
   beat: {code: 0x10, request: none, reply: {layout: {level: {at: 2, raw: u16}}, every_ms: 100}}
-""",
-        "utf-8",
-    )
-    folder = write_files(PythonTarget().generate([specification(spec)], {}), tmp_path)
-    names = ("v1", "nodes", "simulation")
-    module, nodes, simulation = modules.load(folder, *(f"lamp.{name}" for name in names))
+"""
+
+
+def _lamp(folder: Path, *names: str) -> list[ModuleType]:
+    """Modules of the package of nodes that send cyclic frames."""
+    spec = folder / "lamp.yaml"
+    spec.write_text(LAMP, "utf-8")
+    package = write_files(PythonTarget().generate([specification(spec)], {}), folder)
+    return [*modules.load(package, *(f"lamp.{name}" for name in names))]
+
+
+def test_cyclic_frames_come_at_their_period(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    module, nodes, simulation = _lamp(tmp_path, "v1", "nodes", "simulation")
     clock = Clock()
     monkeypatch.setattr(simulation, "time", clock)
     bus = _Frames()
@@ -251,6 +259,40 @@ commands:
         lamp.flush(clock.now)
     assert {bytes(message.data).hex() for message in bus.sent} == {"1000340000000000"}
     assert len(bus.sent) in (10, 11)
+
+
+def test_frames_without_a_request_come_one_after_the_other(tmp_path: Path) -> None:
+    """Also after the bus was lost, and with asyncio."""
+    module, nodes, simulation, client, client_asyncio = _lamp(
+        tmp_path, "v1", "nodes", "simulation", "client", "client_asyncio"
+    )
+    node = nodes.Node(module, 2)
+
+    def lost(*_: object) -> None:
+        raise can.CanOperationError("unplugged")
+
+    def bus() -> can.BusABC:
+        return can.Bus("lamps", interface="virtual")
+
+    async def listen() -> list[Any]:
+        with bus() as first, bus() as second:
+            async with client_asyncio.AsyncClient(first, [node]) as listening:
+                levels = [message.level async for message in listening.receive(0.25)]
+                first.recv = lost  # type: ignore[method-assign, assignment]
+                with pytest.raises(client.BusLost, match="unplugged"):
+                    await anext(listening.receive(5))
+                await listening.reopen(second)
+                return [*levels, (await anext(listening.receive(5))).level]
+
+    with bus() as far, simulation.Simulation(far, [node], level=7):
+        with bus() as first, bus() as second, client.Client(first, [node]) as listening:
+            assert [message.level for message in listening.receive(0.25)] in ([7] * 2, [7] * 3)
+            first.recv = lost  # type: ignore[method-assign, assignment]
+            with pytest.raises(client.BusLost, match="unplugged"):
+                next(listening.receive(5))
+            listening.reopen(second)
+            assert next(listening.receive(5)).level == 7
+        assert asyncio.run(listen()) in ([7] * 3, [7] * 4)
 
 
 def test_settings_are_stored_and_restored(package: dict[str, ModuleType], buses: Buses) -> None:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 import can
 
-from ._codec import CodecError, Message, Request
+from ._codec import CodecError, Message, Request, places
 from .exchange import (
     NO_REPLY,
     NOT_SENT,
@@ -45,6 +45,8 @@ KEPT = ("ram", "staged", "rom")
 """How long a node can keep a setting, the shortest first."""
 TIMEOUT = 0.02
 """The time in seconds that adapter, driver and scheduler may add to the time of the reply."""
+LISTEN = 0.1
+"""The longest time in seconds that listening waits at once, so that an interrupt ends it on every system."""
 STOP_TRIES = 3
 UNSOLICITED = 1 << 12
 """The most frames without a request that are stored."""
@@ -118,12 +120,13 @@ def differences(settings: Mapping[str, Any], others: Mapping[str, Any]) -> dict[
 
 def variables_of(message: Message) -> dict[str, Any]:
     """The values of a message, by the variables of the node that they are. Raises CodecError without a parameter."""
-    names = message.no_values()
-    values: dict[str, Any] = {}
-    for field in message.fields():
-        value = getattr(message, field)
-        values[message.VARIABLES.get(field, field)] = names.get(field) if value is None else value
-    return values
+    return {message.VARIABLES.get(field, field): value_of(message, field) for field in message.fields()}
+
+
+def value_of(message: Message, field: str) -> Any:
+    """The value of a field; the name where there is no value. Raises CodecError without a parameter."""
+    value = getattr(message, field)
+    return message.no_values().get(field) if value is None else value
 
 
 def effects_of(request: Message) -> tuple[str, ...]:
@@ -266,7 +269,7 @@ class ClientCore:
 
     def _line(self, node: Node[Any, Any]) -> Line:
         facts = node.edition.client_facts
-        requests = (_made(node, read) for read in facts.reads)
+        requests = (_decodable(node, read) for read in facts.reads)
         reads = [self._call(node, request, self._timeout) for request in requests if request is not None]
         sent, received = ({ids[::2] for ids in node.ids_of(direction)} for direction in ("request", "reply"))
         longest = 47 + 64  # bits of a frame with 8 bytes, without stuff bits
@@ -346,6 +349,8 @@ class ClientCore:
             raise error
         if request.ONLY:
             request.replace(parameters=node.parameters)  # rejected where the node lacks the command
+        if type(request) not in node.edition.client_facts.ends_motion.values():
+            _check_replies(node, type(request))
 
     def _moves(self, node: Node[Any, Any], request: Message) -> bool:
         effects = node.edition.client_facts.effects
@@ -564,12 +569,22 @@ class ClientCore:
                     raise NotWritten(f"{name} of {node!r} is {values[name]!r} after {changed[name][1]!r} was written")
         return changed
 
-    def _listen_steps(self, seconds: float) -> Steps[None]:
-        until = time.monotonic() + seconds
+    def _listen_steps(self, until: float) -> Steps[Message | None]:
+        """The next frame that a node sent without a request; None if none came until then."""
         self._check_bus()
-        while (frame := (yield until)) is not None or time.monotonic() < until:
+        while not self.unsolicited:
+            now = time.monotonic()
+            frame = yield min(until, now + LISTEN)
             if frame is not None:
                 self._idle(frame)
+            elif now >= until:
+                return None
+        return self.unsolicited.popleft()
+
+    def _restart(self, bus: can.BusABC) -> None:
+        """Another bus object: nothing is known of the nodes."""
+        self.bus, self._lost = bus, None
+        self._start()
 
     def _check_bus(self) -> None:
         if self._lost is not None:
@@ -595,6 +610,22 @@ def _made(node: Node[Any, Any], read: type[Request[Any]]) -> Request[Any] | None
         return node.make(read)
     except CodecError:
         return None
+
+
+def _check_replies(node: Node[Any, Any], request: type[Message]) -> None:
+    """Raises CodecError if a reply cannot be decoded without a parameter that is unknown."""
+    for kind in node.edition.replies_to(request):
+        if kind.VARIANT_BY:
+            places(kind, node.parameters)
+
+
+def _decodable(node: Node[Any, Any], read: type[Request[Any]]) -> Request[Any] | None:
+    """A read for a node; None if the node does not have it, or if its reply could not be decoded."""
+    try:
+        _check_replies(node, read)
+    except CodecError:
+        return None
+    return _made(node, read)
 
 
 def frame_of(message: can.Message) -> Frame:
@@ -742,18 +773,19 @@ class Client(ClientCore):
             yield number
             time.sleep(pause())
 
-    def receive(self, seconds: float) -> list[Message]:
-        """The frames that nodes sent without a request, after waiting for more."""
-        self._drive(self._listen_steps(seconds))
-        messages = [*self.unsolicited]
-        self.unsolicited.clear()
-        return messages
+    def receive(self, seconds: float = math.inf) -> Iterator[Message]:
+        """The frames that nodes send without a request, as they come, for a time in seconds. Raises BusLost.
+
+        Requests of other threads wait meanwhile; frames that come while a request is open are kept.
+        """
+        until = time.monotonic() + seconds
+        while (message := self._drive(self._listen_steps(until))) is not None:
+            yield message
 
     def reopen(self, bus: can.BusABC) -> None:
         """Starts again with another bus object, after BusLost. Nothing is known of the nodes."""
         with self._lock:
-            self.bus, self._lost = bus, None
-            self._start()
+            self._restart(bus)
             self._drive(self._open_steps())
 
     def close(self) -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import threading
 import time
 import warnings
@@ -32,10 +33,7 @@ class AsyncClient(ClientCore):
     async def __aenter__(self) -> Self:
         self._loop = asyncio.get_running_loop()
         self._turn = asyncio.Lock()
-        self._arrived: deque[can.Message] = deque()
         self._waiter: asyncio.Future[None] | None = None
-        self._error: Exception | None = None
-        self._ended = threading.Event()
         self._watch()
         await self._drive(self._open_steps())
         return self
@@ -46,11 +44,7 @@ class AsyncClient(ClientCore):
             if unconfirmed:
                 warnings.warn(f"nodes did not confirm {self._on_exit}, and may still move: {unconfirmed}", stacklevel=2)
         self._moved.clear()
-        self._ended.set()
-        if self._file >= 0:
-            self._loop.remove_reader(self._file)
-        else:
-            await self._loop.run_in_executor(None, self._thread.join)
+        await self._unwatch()
 
     async def request(self, request: Request[R], *, allow: str = "", tries: int = 1, timeout: float | None = None) -> R:
         """The reply to a request. Raises ClientError."""
@@ -79,6 +73,20 @@ class AsyncClient(ClientCore):
     ) -> dict[str, tuple[Any, Any]]:
         """Writes those settings that differ in a node, as `Client.restore`."""
         return await self._drive(self._restore_steps(settings, node, kept, allow))
+
+    async def receive(self, seconds: float = math.inf) -> AsyncIterator[Message]:
+        """The frames that nodes send without a request, as `Client.receive`."""
+        until = time.monotonic() + seconds
+        while (message := await self._drive(self._listen_steps(until))) is not None:
+            yield message
+
+    async def reopen(self, bus: can.BusABC) -> None:
+        """Starts again with another bus object, as `Client.reopen`."""
+        async with self._turn:
+            await self._unwatch()
+            self._restart(bus)
+            self._watch()
+        await self._drive(self._open_steps())
 
     async def every(self, rate: float) -> AsyncIterator[int]:
         """The number of each period, as `Client.every`."""
@@ -122,6 +130,9 @@ class AsyncClient(ClientCore):
 
     def _watch(self) -> None:
         """Reads the bus when there is something to read, in a thread if the bus has no file descriptor."""
+        self._arrived: deque[can.Message] = deque()
+        self._error: Exception | None = None
+        self._ended = threading.Event()
         try:
             self._file = self.bus.fileno()
         except NotImplementedError:
@@ -131,6 +142,13 @@ class AsyncClient(ClientCore):
         else:
             self._thread = threading.Thread(target=self._run, daemon=True)
             self._thread.start()
+
+    async def _unwatch(self) -> None:
+        self._ended.set()
+        if self._file >= 0:
+            self._loop.remove_reader(self._file)
+        else:
+            await self._loop.run_in_executor(None, self._thread.join)
 
     def _readable(self) -> None:
         self._read()

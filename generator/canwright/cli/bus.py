@@ -12,6 +12,7 @@ import click
 
 from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
+from ..recordings.bus_log import sentence
 from .common import stop
 
 if TYPE_CHECKING:
@@ -91,20 +92,3 @@ def returns_own_frames(arguments: BusArguments) -> bool:
 
     config = can.util.load_config(config={**arguments})
     return config["interface"] == "udp_multicast" or bool(config.get("receive_own_messages"))
-
-
-def errors_of_use() -> tuple[type[Exception], ...]:
-    """What a bus raises that is lost."""
-    import can
-
-    return can.CanError, OSError, ValueError
-
-
-def sentence(error: BaseException) -> str:
-    """The text of an error of python-can or an interface in one line."""
-    return visible(" ".join(str(error).split()).rstrip(".")) or type(error).__name__
-
-
-def lost(error: BaseException) -> str:
-    """What became of a bus that raised an error."""
-    return f"the bus does not work any more: {sentence(error)}"

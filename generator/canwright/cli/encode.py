@@ -130,7 +130,7 @@ def encoded(
         return f"{message.name} needs a node, {nodes}; give it as --node {message.id.nodes[-1]}"
     rejection = encoder.rejects(message, node)
     if rejection:
-        return _advice(edition, rejection, None, given)
+        return advice(edition, rejection, None, given)
     fields = encoder.fields(message)
     assert fields is not None  # decided by `rejects`
     unknown = next((name for name in written if name not in fields), None)
@@ -144,19 +144,19 @@ def encoded(
         return f"{message.name} lacks {formatting.counted(len(missing), 'value')}: {listed}"
     raws: dict[str, Raw] = {}
     for name, field in fields.items():
-        raw = _raw(encoder, field, written[name]) if name in written else known[name]
+        raw = written_raw(encoder, field, written[name]) if name in written else known[name]
         if isinstance(raw, Rejection):
-            return f"{name}={visible(written[name])}: {_advice(edition, raw, field, given)}"
+            return f"{name}={visible(written[name])}: {advice(edition, raw, field, given)}"
         if isinstance(raw, str):
             return f"{name}={visible(written[name])}: {raw}"
         raws[name] = raw
     frame = encoder.encode_raws(message, node, raws)
     if isinstance(frame, Rejection):
-        return _advice(edition, frame, fields.get(frame.field or ""), given)
+        return advice(edition, frame, fields.get(frame.field or ""), given)
     return frame
 
 
-def _raw(encoder: Encoder, field: Field, text: str) -> Raw | Rejection | str:
+def written_raw(encoder: Encoder, field: Field, text: str) -> Raw | Rejection | str:
     """The raw integer of a value as it is written, or the reason why it is none."""
     try:
         if text.startswith(_RAW):
@@ -200,7 +200,7 @@ def _single(type_: Type, text: str) -> Fraction | str:
         raise ValueError(f"there is no value `{text}`; {hint}") from None
 
 
-def _advice(edition: Edition, rejection: Rejection, field: Field | None, given: Assignment) -> str:
+def advice(edition: Edition, rejection: Rejection, field: Field | None, given: Assignment) -> str:
     """Why a frame is refused, and what to write."""
     text = visible(rejection.text)
     if rejection.reason is Refusal.MISSING_PARAMETER:

@@ -16,7 +16,7 @@ import can
 
 from ..model.edition import Edition
 from ..model.message import Direction
-from ..recordings.bus_log import BusLog
+from ..recordings.bus_log import BusLog, errors_of_use, sentence
 from ..recordings.by_python_can import recorded_frame
 from ..recordings.directions import DirectedFrame
 from ..recordings.latest_values import SECOND, LatestValues
@@ -24,7 +24,7 @@ from ..recordings.log_frame import LogFrame, SkippedPart
 from ..recordings.nodes import NodeSetting, follow
 from ..recordings.readers import PAUSE, Log, LogError
 from ..recordings.rows import Row, RowReader
-from .bus import BusArguments, errors_of_use, returns_own_frames, sentence
+from .bus import BusArguments, returns_own_frames
 from .log_source import known_nodes, log_directions
 from .monitor_view import Sources, status_parts
 

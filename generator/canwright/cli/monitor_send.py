@@ -54,7 +54,7 @@ class Sender:
         numbers = selected_nodes(nodes, ())
         edition, given = self._known(numbers)
         selected_nodes(nodes, [edition])
-        message = request_of(edition, command)
+        message = request_of(edition, command, given)
         frames = encoded_frames(edition, message, numbers, written_values(values), given)
         package = self._package(edition, given)
         return Prepared(package, [package.request(message, *pair) for pair in frames.items()], nodes, numbers)

@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..conformance import modules
 from ..conformance.adapter import write_files
 from ..conformance.python import PythonAdapter
+from ..diagnostics.diagnostic import nearest
+from ..diagnostics.unicode_safety import visible
 from ..model.edition import Edition
+from ..model.layout import Field
 from ..model.message import Direction, Message
 from ..model.types import Assignment
 from ..resolve import number_parameters
+from ..semantics.decoder import Rejection
+from ..semantics.encoder import Encoder
 from ..semantics.frame import CanFrame
 from ..targets.base import EditionInput
+from ..targets.python.client_facts import node_variables
 from ..targets.python.target import TARGET
-from ..targets.python.text import class_name
+from ..targets.python.text import attribute, class_name
 from .common import stop
+from .encode import advice, written_raw
 
 
 def only_edition(specifications: Sequence[EditionInput], remedy: str) -> EditionInput:
@@ -34,6 +41,7 @@ class PythonPackage:
 
     def __init__(self, specification: EditionInput, given: Assignment) -> None:
         edition = specification.edition
+        self._model, self._given = edition, given
         names = (edition.identifier, "nodes", "client", "simulation")
         with tempfile.TemporaryDirectory(prefix="canwright-") as folder:
             package = write_files(TARGET.packages([specification]), Path(folder))
@@ -47,18 +55,44 @@ class PythonPackage:
         """A `Node` with the parameters."""
         return self._nodes.Node(self.edition, number, self._parameters)
 
+    def first_values(self, written: Mapping[str, str]) -> dict[str, Any]:
+        """The values of variables of a node, as they are written. Stops at what no reply contains."""
+        known = {
+            variable: (reply.message, field)
+            for command in reversed(self._model.commands)
+            for reply in command.replies
+            for field, variable in node_variables(command, reply.message).items()
+        }
+        return {name: self._first_value(name, text, known) for name, text in written.items()}
+
+    def _first_value(self, name: str, text: str, known: Mapping[str, tuple[Message, Field]]) -> Any:
+        if name not in known:
+            hint = nearest(name, known) or f"replies contain {', '.join(sorted(known))}"
+            stop(f"no reply contains `{visible(name)}`; {hint}")
+        message, field = known[name]
+        raw = written_raw(Encoder(self._given), field, text)
+        if isinstance(raw, Rejection):
+            raw = advice(self._model, raw, field, self._given)
+        if isinstance(raw, str):
+            stop(f"{name}={visible(text)}: {raw}")
+        class_, own = getattr(self.edition, class_name(message.name)), attribute(field.name)
+        try:
+            return class_.TYPES[own].value(raw, self._parameters, own)
+        except self.edition.CodecError:  # it has no scale
+            return raw
+
     def request(self, message: Message, node: int | None, frame: CanFrame) -> Any:
         """The request in a frame."""
         class_ = getattr(self.edition, class_name(message.name))
         return class_.unpack(node, frame.id, frame.data, self._parameters)
 
 
-def frame_of(message: Any) -> CanFrame:
+def model_frame(message: Any) -> CanFrame:
     """The frame of a decoded message, bit for bit."""
     return CanFrame(message.can_id, message.encode_unchecked(), extended=message.EXTENDED, remote=message.REMOTE)
 
 
-def reply_of(edition: Edition, message: Any) -> Message:
+def model_reply(edition: Edition, message: Any) -> Message:
     """The reply of the model that a message of the package is."""
     replies = (m for m in edition.all_messages() if m.direction is Direction.REPLY)
     return next(reply for reply in replies if class_name(reply.name) == type(message).__name__)

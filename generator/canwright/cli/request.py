@@ -17,15 +17,16 @@ from ..model.edition import Edition
 from ..model.message import Message
 from ..model.metadata import Consent
 from ..model.types import Assignment
+from ..recordings.bus_log import sentence
 from ..semantics.configured import configured
 from ..semantics.frame import CanFrame
 from ..targets.selected_nodes import selected_nodes
-from .bus import BusArguments, bus_options, opened_bus, sentence
+from .bus import BusArguments, bus_options, opened_bus
 from .command_view import find
 from .common import FINDINGS, of_edition, read, spec_option, stop
 from .encode import encoded, meaning_of, written_values
-from .python_package import PythonPackage, frame_of, only_edition, reply_of
-from .settings import assignment
+from .python_package import PythonPackage, model_frame, model_reply, only_edition
+from .settings import assignment, known_values
 from .terminal import print_text
 
 TIMEOUT = 0.2
@@ -85,7 +86,7 @@ def request(
     given = assignment([specification], settings)
     ours = configured(specification.edition, given)
     try:
-        message, written = request_of(ours, command), written_values(values)
+        message, written = request_of(ours, command, given), written_values(values)
     except ValueError as error:
         stop(str(error))
     try:
@@ -111,7 +112,7 @@ def request(
             else:
                 replies, errors = exchanged(package, client, requests, " ".join(allow))
                 for reply in replies:
-                    print_text(meaning_of(ours, reply_of(ours, reply), frame_of(reply), given))
+                    print_text(meaning_of(ours, model_reply(ours, reply), model_frame(reply), given))
     for reason in errors:
         if isinstance(reason, package.client.BusLost):
             stop(sentence(reason.__cause__ or reason))
@@ -126,8 +127,8 @@ def request(
         sys.exit(FINDINGS)
 
 
-def request_of(edition: Edition, written: str) -> Message:
-    """The request of a command. Raises ValueError without one, or with several."""
+def request_of(edition: Edition, written: str, given: Assignment) -> Message:
+    """The request of a command. Raises ValueError without one, with several, or if its reply depends on an unknown parameter."""
     pairs, hint = find([edition], written)
     if not pairs:
         raise ValueError(f"there is no command `{visible(written)}`; {hint}")
@@ -137,6 +138,10 @@ def request_of(edition: Edition, written: str) -> Message:
     command = pairs[0][1]
     if command.request is None:
         raise ValueError(f"{command.name} has no request; nodes send it by themselves")
+    lacking = [name for name in command.reply_parameters if name not in given and not command.ends_motion]
+    if lacking:
+        needed = " or ".join(known_values([edition], name) for name in lacking)
+        raise ValueError(f"the reply of {command.name} depends on {', '.join(lacking)}; give --set {needed}")
     return command.request
 
 

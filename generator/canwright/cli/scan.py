@@ -15,6 +15,8 @@ from ..model.edition import Edition
 from ..model.formatting import counted
 from ..model.message import Direction, Message
 from ..model.types import Assignment
+from ..recordings.bus_log import errors_of_use, lost
+from ..recordings.by_python_can import recorded_frame
 from ..recordings.explain import meanings
 from ..recordings.log_frame import Counts, LogFrame, Mark
 from ..recordings.nodes import Identifiers
@@ -24,7 +26,7 @@ from ..semantics.frame import CanFrame
 from ..targets.python.client_facts import replies_differ
 from ..targets.python.runtime.exchange import Copies
 from ..targets.selected_nodes import selected_nodes
-from .bus import BusArguments, bus_options, errors_of_use, lost, opened_bus, returns_own_frames
+from .bus import BusArguments, bus_options, opened_bus, returns_own_frames
 from .common import FINDINGS, of_edition, read, spec_option, stop
 from .decode_view import node_names
 from .encode import encoded
@@ -211,14 +213,6 @@ class _Scanner:
                 self._returned += 1
             else:
                 is_answered = True
-                yield LogFrame(
-                    time.monotonic_ns(),
-                    "",
-                    CanFrame(
-                        received.arbitration_id,
-                        bytes(received.data),
-                        extended=received.is_extended_id,
-                        remote=received.is_remote_frame,
-                    ),
-                    Mark.RECEIVED,
-                )
+                recorded = recorded_frame("", received)
+                if isinstance(recorded, LogFrame):
+                    yield recorded._replace(time=time.monotonic_ns(), bus="", mark=Mark.RECEIVED)

@@ -14,10 +14,12 @@ import click
 from ..diagnostics.unicode_safety import visible
 from ..language import notation
 from ..model.formatting import counted
+from ..recordings.bus_log import errors_of_use, lost
 from ..targets.selected_nodes import selected_nodes
 from . import INTERRUPTED
-from .bus import BusArguments, bus_options, errors_of_use, lost, opened_bus, returns_own_frames
+from .bus import BusArguments, bus_options, opened_bus, returns_own_frames
 from .common import of_edition, read, spec_option, stop
+from .encode import written_values
 from .settings import assignment
 from .terminal import print_text
 
@@ -61,7 +63,7 @@ def _fault_options(function: Callable[..., None]) -> Callable[..., None]:
 
 
 @click.command()
-@click.argument("edition", required=False)
+@click.argument("words", nargs=-1, metavar="[EDITION] [NAME=VALUE]...")
 @spec_option
 @click.option("--node", "nodes", required=True, metavar="NODES", help="The nodes, such as 1..4 or 1,3.")
 @click.option("--set", "settings", multiple=True, metavar="PARAMETER=VALUE", help="A parameter of the nodes.")
@@ -69,7 +71,7 @@ def _fault_options(function: Callable[..., None]) -> Callable[..., None]:
 @_fault_options
 @bus_options
 def simulate(
-    edition: str | None,
+    words: Sequence[str],
     specs: Sequence[Path],
     nodes: str,
     settings: Sequence[str],
@@ -80,19 +82,23 @@ def simulate(
     """Answer on a bus as nodes of an EDITION do, without hardware.
 
     The nodes answer each request as the specification says, and keep what is written: these are the simulated nodes of the
-    generated Python package. Options of the bus have the names of python-can's own commands; what is not given is in its
+    generated Python package. NAME=VALUE is the first value of a field of a reply, in its unit. Options of the bus have the names of python-can's own commands; what is not given is in its
     configuration file can.conf. Ctrl-C ends and prints what was counted.
 
     \b
       canwright simulate v1 --node 1..4 -i socketcan -c vcan0
-      canwright simulate v1 --node 1..4 -i udp_multicast --loss 1%
+      canwright simulate v1 level=50 --node 1..4 -i udp_multicast --loss 1%
 
     Exit status: 130 after Ctrl-C, 2 if the bus cannot be opened or does not work any more.
     """
     from .python_package import PythonPackage, only_edition
 
+    editions = [word for word in words if "=" not in word]
+    if len(editions) > 1:
+        stop(f"`{visible(editions[1])}` is not a value; write NAME=VALUE")
     specification = only_edition(
-        of_edition(read(specs, packaged=True), edition), "write the one to simulate: canwright simulate EDITION"
+        of_edition(read(specs, packaged=True), next(iter(editions), None)),
+        "write the one to simulate: canwright simulate EDITION",
     )
     family, name = specification.edition.family, specification.edition.name
     try:
@@ -100,10 +106,17 @@ def simulate(
     except ValueError as error:
         stop(f"--node {visible(nodes)}: {error}")
     package = PythonPackage(specification, assignment([specification], settings))
+    try:
+        values = package.first_values(written_values([word for word in words if "=" in word]))
+    except ValueError as error:
+        stop(str(error))
     chosen = package.simulation.Faults(**{key: value for key, value in faults.items() if value is not None})
     with opened_bus(bus_arguments) as bus, _warnings_as_lines():
         simulated, own_frames = map(package.node, numbers), returns_own_frames(bus_arguments)
-        simulation = package.simulation.Simulation(bus, simulated, delay=delay, faults=chosen, own_frames=own_frames)
+        options = {"delay": delay, "faults": chosen, "own_frames": own_frames}
+        simulation = package.simulation.Simulation(bus, simulated, **options)
+        for node in simulation.nodes.values():
+            node.start_with(values)
         listed = f"node {nodes}" if len(numbers) == 1 else f"nodes {nodes}"
         print_text(f"{family} {name}, {listed}; Ctrl-C ends\n", error=True)
         try:

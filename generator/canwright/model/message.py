@@ -356,6 +356,12 @@ class Command:
         return tuple(reply for reply in self.replies[1:] if reply.is_alternative)
 
     @property
+    def reply_parameters(self) -> tuple[str, ...]:
+        """The parameters without which a reply cannot be decoded."""
+        needed = (reply.message.layout.parameter for reply in self.replies)
+        return tuple(dict.fromkeys(name for name in needed if name))
+
+    @property
     def has_several_frames(self) -> bool:
         """Whether one node answers with several frames."""
         return sum(reply.frames for reply in self.replies if not reply.is_alternative) > 1

@@ -7,12 +7,30 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ..diagnostics.unicode_safety import visible
 from .by_python_can import recorded_frame
 from .log_frame import LogError, LogFrame, SkippedPart
 from .readers import PAUSE, Log
 
 if TYPE_CHECKING:
     import can
+
+
+def errors_of_use() -> tuple[type[Exception], ...]:
+    """What a bus raises that is lost."""
+    import can
+
+    return can.CanError, OSError, ValueError
+
+
+def sentence(error: BaseException) -> str:
+    """The text of an error of python-can or an interface in one line."""
+    return visible(" ".join(str(error).split()).rstrip(".")) or type(error).__name__
+
+
+def lost(error: BaseException) -> str:
+    """What became of a bus that raised an error."""
+    return f"the bus does not work any more: {sentence(error)}"
 
 
 class BusLog(Log):
@@ -49,9 +67,7 @@ class BusLog(Log):
         return message
 
     def _received(self, seconds: float) -> can.Message | None:
-        import can
-
         try:
             return self._bus.recv(seconds)
-        except (can.CanError, OSError, ValueError) as error:
-            raise LogError(f"the bus does not work any more: {error}") from None
+        except errors_of_use() as error:
+            raise LogError(lost(error)) from None

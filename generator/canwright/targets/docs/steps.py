@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.message import Command
+from ...model.metadata import Consent
 from ...semantics.encoder import Encoder
 from ...semantics.frame import CanFrame
 from ...templating import resources
@@ -19,9 +20,14 @@ NODE = 1
 
 
 class Step(NamedTuple):
-    """A frame to node 1, as `candump` and `cansend` write it; the other texts are Markdown."""
+    """A frame to node 1, as `candump` and `cansend` write it, and the arguments of `canwright request`.
+
+    The other texts are Markdown.
+    """
 
     frame: str
+    arguments: str
+    settings: str
     command: str
     given: str
     about: str
@@ -33,6 +39,8 @@ class FirstSteps(NamedTuple):
     edition: Edition
     folder: str
     steps: Sequence[Step]
+    settings: str
+    """The parameters that replies depend on, as options, with their first values as an example."""
 
 
 def first_steps(listed: Sequence[tuple[str, Edition]], language: str) -> Iterator[FirstSteps]:
@@ -41,17 +49,26 @@ def first_steps(listed: Sequence[tuple[str, Edition]], language: str) -> Iterato
     for folder, edition in listed:
         steps = [step for item in written.get(edition.family, ()) for step in _step(folder, edition, item, language)]
         if steps:
-            yield FirstSteps(edition, folder, steps)
+            yield FirstSteps(
+                edition, folder, steps, " ".join(dict.fromkeys(step.settings for step in steps if step.settings))
+            )
 
 
 def _step(folder: str, edition: Edition, written: Mapping[str, Any], language: str) -> Iterator[Step]:
     for command in edition.forms(written["command"])[:1]:
-        frame = _frame(command, written.get("values", {}))
+        values: Mapping[str, int] = written.get("values", {})
+        frame = _frame(command, values)
         if frame is not None:
             title = markdown(command.spec_title[language])
-            given = ", ".join(code(f"{name} = {value}") for name, value in written.get("values", {}).items())
+            given = ", ".join(code(f"{name} = {value}") for name, value in values.items())
             link = f"[{title}]({folder}/{COMMANDS}{command_page(command)})"
-            yield Step(formatting.sent(frame), link, given, markdown(written["about"][language]))
+            consents = dict.fromkeys(e.consent.value for e in command.effects if e.consent is not Consent.NONE)
+            words = [command.name, *(f"{name}={value}" for name, value in values.items()), f"--node {NODE}"]
+            arguments = " ".join([*words, *(f"--allow {consent}" for consent in consents)])
+            settings = " ".join(
+                f"--set {p.name}={p.values[0].name}" for p in edition.parameters if p.name in command.reply_parameters
+            )
+            yield Step(formatting.sent(frame), arguments, settings, link, given, markdown(written["about"][language]))
 
 
 def _frame(command: Command, values: Mapping[str, int]) -> CanFrame | None:

@@ -123,13 +123,13 @@ def _settings(edition: Edition, reads: Iterable[Command]) -> Iterator[tuple[Mess
             effect.kept or effect.consent in (Consent.WEAR, Consent.CONTACT) for effect in command.effects
         )
         if kept and stores_only and command.request and command.reply and command.implemented:
-            written = _variables(command, command.request)
+            written = node_variables(command, command.request)
             values = varying(command.request.layout.fields)
             if values and len(written) == len(values):
                 write = kept[0].value, command.request, {*written.values()}
                 writes.setdefault(next(iter(written.values())), []).append(write)
     for read in reads:
-        readable = [*_variables(read, read.replies[0].message).values()]
+        readable = [*node_variables(read, read.replies[0].message).values()]
         requests: dict[str, Message] = {}
         for how, request, variables in (write for name in readable for write in writes.get(name, ())):
             if variables.issubset(readable):
@@ -149,14 +149,14 @@ def _containing(edition: Edition, state: State) -> dict[str, int]:
     raws: dict[str, int] = {}
     for command in edition.commands:
         for reply in command.replies:
-            for field, variable in _variables(command, reply.message).items():
+            for field, variable in node_variables(command, reply.message).items():
                 members = {member.name: member.value for member in field.type.enum}
                 if names <= members.keys():
                     raws[variable] = members[state.name]
     return raws
 
 
-def _variables(command: Command, message: Message) -> dict[Field, str]:
+def node_variables(command: Command, message: Message) -> dict[Field, str]:
     """The variable of a node that each field contains, if it has one; in a reply each has one."""
     values = varying(message.layout.fields)
     entry = f"{command.entry.table}.{command.entry.name}" if command.entry else ""
@@ -171,7 +171,7 @@ def state_attributes(command: Command, message: Message) -> Iterator[code.Code]:
     is_reply = message.direction is Direction.REPLY
     states = [
         f"{text.literal(text.attribute(field.name))}: {text.literal(variable)}"
-        for field, variable in _variables(command, message).items()
+        for field, variable in node_variables(command, message).items()
         if not is_reply or variable != text.attribute(field.name)
     ]
     if states:

@@ -12,7 +12,7 @@ import random
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import can
 
 from ._codec import ArrayType, CodecError, FieldType, Message, Refusal, Request, places
-from .client import effects_of, frame_of
+from .client import effects_of, frame_of, value_of
 from .exchange import Copies
 from .nodes import Node, Numbering
 from .python_can import from_message, to_message
@@ -90,6 +90,11 @@ class SimulatedNode:
     def __repr__(self) -> str:
         return f"SimulatedNode({self.node!r}, state={self.state!r}, values={self.values!r})"
 
+    def start_with(self, values: Mapping[str, Any]) -> None:
+        """Sets first values, which the node also has when it starts again."""
+        self._kept |= values
+        self.values |= values
+
     def power_on(self) -> None:
         """Starts again: with the first values and those that are kept after power-off, in the state after power-up."""
         self.values = dict(self._kept)
@@ -105,6 +110,8 @@ class SimulatedNode:
         """The request to this node in a frame; None if it is none."""
         try:
             request: Request[Any] = from_message(frame, self.node.decode_request)
+            if request.ONLY:  # rejected where the node lacks the command
+                request.replace(parameters=self.node.parameters)
         except CodecError:
             return None
         is_asked = self.node.node in request.REPLIERS if request.REPLIERS else request.node in (None, self.node.node)
@@ -130,7 +137,7 @@ class SimulatedNode:
 
     def _store(self, request: Request[Any]) -> None:
         written = {
-            variable: _value(request, name)
+            variable: _stored(request, name)
             for name, variable in request.VARIABLES.items()
             if name in request.fields() and request.raw()[name] not in request.EXEMPT.get(name, {})
         }
@@ -177,13 +184,12 @@ class SimulatedNode:
         return (raw,) * type_.count if isinstance(type_, ArrayType) else raw
 
 
-def _value(message: Message, name: str) -> Any:
-    """The value of a field; its raw integer where it has no scale, and the name where there is no value."""
+def _stored(message: Message, name: str) -> Any:
+    """The value of a field as a node stores it: its raw integer where it has no scale."""
     try:
-        value = getattr(message, name)
+        return value_of(message, name)
     except CodecError:
         return message.raw()[name]
-    return message.no_values().get(name) if value is None else value
 
 
 def _nearest_raw(type_: FieldType, value: Any, parameters: Any, name: str) -> Any:
