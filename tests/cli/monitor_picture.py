@@ -25,13 +25,13 @@ from canwright.semantics.frame import CanFrame
 
 from ..spec_texts import ROOT
 
-PICTURE = ROOT / ".github/monitor.svg"
+PICTURE = Path(__file__).with_name("monitor.svg")
 _SPEC = "v2.36-2025-03"
 _SIZE = 96, 23
 MS = SECOND // 1000
 END = 3 * SECOND
-_FONT = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)
-"""The fonts of another host; without them, the browser takes a font of its own."""
+_HOSTS = re.compile(r"\s*@font-face \{.*?\}|\s*<!--.*?-->", re.DOTALL)
+"""Fonts of another host, without which a browser takes a font of its own, and a remark."""
 
 
 def frames() -> Iterator[LogFrame]:
@@ -89,8 +89,8 @@ def picture() -> str:
             await pilot.pause()
             return app.export_screenshot()
 
-    return _FONT.sub("", asyncio.run(shown())) + "\n"
+    return _HOSTS.sub("", asyncio.run(shown())) + "\n"
 
 
 if __name__ == "__main__":
-    Path(PICTURE).write_text(picture(), "utf-8")
+    PICTURE.write_text(picture(), "utf-8")
