@@ -6,16 +6,18 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import can
 import pytest
 from canwright.cli import main
-from canwright.cli.monitor_feed import QUEUED, Receiver
+from canwright.cli.monitor_feed import QUEUED, Feed, Receiver
+from canwright.project.loader import specification
 from click.testing import CliRunner, Result
 
 from ..spec_texts import ROOT
-from .live import MG, NEW, free_port, simulated
+from .live import MG, NEW, OLD, free_port, simulated
 
 EDITION = ("--spec", str(ROOT / "spec/mwd_motor/v2.35-2024-02.yaml"), "--set", "series=MG")
 NEWER = ("--spec", str(ROOT / f"spec/mwd_motor/{NEW}.yaml"), *MG)
@@ -185,3 +187,41 @@ def test_a_log_without_frames_ends_with_a_sentence(tmp_path: Path) -> None:
     for settings in ((), EDITION):
         result = run(str(empty), *settings)
         assert (result.exit_code, "has no frames" in result.stderr) == (2, True), result.output
+
+
+def test_a_view_without_its_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch, log: Path) -> None:
+    """Without a terminal or with `--plain`, the package is not needed."""
+    monkeypatch.setitem(sys.modules, "textual", None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "textual" else find_spec(name))
+    assert run(str(log), *EDITION, "--speed", "10").exit_code == 0
+    monkeypatch.setattr("canwright.cli.monitor.is_terminal", lambda: True)
+    assert run(str(log), *EDITION, "--speed", "10", "--plain").exit_code == 0
+    says = "canwright: the view, which --plain replaces by lines, needs textual; run: pip install textual\n"
+    result = run(str(log), *EDITION)
+    assert (result.exit_code, result.stderr) == (2, says)
+
+
+def test_a_recording_that_fails_ends_and_the_bus_is_read_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with can.Bus("disk", interface="virtual") as bus, can.Bus("disk", interface="virtual") as node:
+        receiver = Receiver(bus, {"interface": "virtual", "channel": "disk"}, tmp_path / "full.log")
+        assert receiver.recording
+
+        def fail(_: can.Message) -> None:
+            raise OSError(28, "No space left on device")
+
+        monkeypatch.setattr(receiver.recording, "write", fail)
+        receiver.start()
+        for _ in range(2):
+            node.send(can.Message(arbitration_id=0x141, data=bytes(8), is_extended_id=False))
+            assert receiver.recv(5)
+        assert receiver.recording_error == "the recording ended: [Errno 28] No space left on device"
+        assert receiver.recording is None
+        receiver.close()
+
+
+def test_frames_of_unknown_editions_wait_and_this_is_shown() -> None:
+    editions = [specification(ROOT / f"spec/mwd_motor/{name}.yaml").edition for name in (OLD, NEW)]
+    with can.Bus("wait", interface="virtual") as bus:
+        feed = Feed(Receiver(bus, {"interface": "virtual", "channel": "wait"}), editions, [], None)
+        assert next(feed.status_parts()).startswith("frames wait until the editions of their nodes are identified")
+        feed.close()

@@ -91,7 +91,7 @@ def monitor(
     if log is not None:
         further.pop("bitrate", None)
     _check(log, further, speed, record)
-    is_plain = plain or not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr))
+    is_plain = plain or not is_terminal()
     specifications = read(specs, packaged=True)
     editions, given = bus_of([item.edition for item in specifications], settings)
     from .monitor_feed import Feed, Player, Receiver
@@ -130,6 +130,11 @@ def _check(log: str | None, bus: BusArguments, speed: float | None, record: Path
         raise click.UsageError("--speed is for LOG, not for a bus")
     if log is not None and record is not None:
         raise click.UsageError("--record is for a bus, not for LOG")
+
+
+def is_terminal() -> bool:
+    """Whether there is a terminal for keys and a view."""
+    return all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr))
 
 
 def _bit_rate(editions: Sequence[Edition]) -> int | None:
