@@ -103,16 +103,17 @@ async def write(pilot: Pilot[None], key: str, text: str) -> None:
 
 
 @pytest.mark.parametrize("width", [80, 160])
-def test_values_are_shown_with_age_rate_and_latency(width: int) -> None:
+def test_values_are_shown_with_age_and_rate(width: int) -> None:
+    """The latency is in the tests of lines: on a busy computer, replies come too late for it."""
     with monitored(f"values-{width}") as app:
 
         async def use(pilot: Pilot[None]) -> None:
-            await until(pilot, lambda: all("/s" in screen(app)[y] and " ms" in screen(app)[y] for y in (2, 8)))
+            await until(pilot, lambda: all("/s" in screen(app)[y] for y in (2, 8)))
             shown = screen(app)
             assert shown[0].split() == ["node", "command", "signal", "value", "age", "rate", "latency"]
             assert shown[1].split()[:3] == ["1", "read_status_1", "request"]
             assert shown[2].split()[2:6] == ["reply", "temperature", "0", "°C"]
-            assert shown[2].endswith(" ms") and shown[3].split() == ["voltage", "48.72", "V"]
+            assert shown[3].split() == ["voltage", "48.72", "V"]
             assert shown[7].split()[:3] == ["2", "read_status_1", "request"]
             assert all(len(line) <= width for line in shown)
             await until(pilot, lambda: "load at most 0." in text_of(app, "status"))
