@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import inspect
+import itertools
+import json
 import os
 import re
 import shlex
@@ -84,9 +86,37 @@ def test_line_of_a_pipeline_tests_a_new_spec(tmp_path: Path) -> None:
 def test_log_commands_print_what_the_guide_shows(folder: Path) -> None:
     (_, log), *rest = blocks("logs")
     (folder / "bus.log").write_text(log, "utf-8")
-    assert len(rest) == 8
-    for (_, command), (_, printed) in zip(rest[::2], rest[1::2], strict=True):
+    pairs = [*zip(rest[::2], rest[1::2], strict=True)]
+    printing = [(command, printed) for (_, command), (language, printed) in pairs if language == "text"]
+    assert len(printing) == len(pairs) - 1 == 4
+    for command, printed in printing:
         assert run(command, folder).strip() == printed.strip()
+
+
+@pytest.mark.interop("mcap")
+def test_layout_of_a_viewer_shows_what_the_command_before_it_writes(folder: Path) -> None:
+    from mcap.reader import make_reader
+
+    (_, log), *rest = blocks("logs")
+    (folder / "bus.log").write_text(log, "utf-8")
+    ((_, command), (_, layout)) = next(pair for pair in itertools.pairwise(rest) if pair[1][0] == "json")
+    run(command, folder)
+    with (folder / "bus.mcap").open("rb") as file:
+        written = [(channel.topic, json.loads(m.data)) for _, channel, m in make_reader(file).iter_messages()]
+    panels = json.loads(layout)["configById"].values()
+    paths = [path["value"] for panel in panels for path in panel.get("paths", [])]
+    shown = [re.fullmatch(r"([\w/]+)(?:\{frame\.(\w+)=='(\w+)'\})?\.(\w+)", path) for path in paths]
+    values = [
+        [
+            content[path[4]]
+            for topic, content in written
+            if topic == path[1] and content["frame"].get(path[2]) == path[3]
+        ]
+        for path in shown
+        if path
+    ]
+    assert values == [[50], [12.5]]
+    assert {panel["topicPath"] for panel in panels if "topicPath" in panel} <= {topic for topic, _ in written}
 
 
 def test_editions_are_copied_compared_and_accepted_as_the_guide_shows(folder: Path) -> None:

@@ -947,6 +947,7 @@ def test_a_curve_has_the_extremes_of_any_number_of_points() -> None:
         (["bus.log", "--plot", "a.txt", "--field", "iq"], "a.txt must end in .pdf, .png, .svg"),
         (["bus.log", "--plot", "a.png", "--field", "iqq"], "there is no field `iqq`; did you mean `iq`?"),
         (["bus.log", "--format", "parquet"], "--format parquet needs a folder: --out tables"),
+        (["bus.log", "--format", "mcap"], "--format mcap needs a file: --out log.mcap"),
         (["bus.log", "--golden"], "--golden is for a single frame"),
         (["bus.log", "--split", "missing/a.log"], "missing"),
         (["141#A1", "--format", "csv"], "are for logs"),
@@ -1015,7 +1016,12 @@ def test_two_outputs_of_one_name() -> None:
 
 @pytest.mark.parametrize(
     ("package", "options"),
-    [("numpy", ["--format", "parquet"]), ("pyarrow", ["--format", "parquet"]), ("matplotlib", ["--plot"])],
+    [
+        ("numpy", ["--format", "parquet"]),
+        ("pyarrow", ["--format", "parquet"]),
+        ("mcap", ["--format", "mcap"]),
+        ("matplotlib", ["--plot"]),
+    ],
 )
 def test_a_missing_package(package: str, options: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == package else object())

@@ -16,11 +16,13 @@ import click
 from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
 from ..model.edition import Edition
+from ..model.formatting import counted
 from ..model.message import Direction
 from ..recordings import candump, plot as pictures, split as split_logs
 from ..recordings.doubts import copies, doubts
 from ..recordings.exports import CsvLines, JsonLines, bus_name
 from ..recordings.log_frame import Counts, LogFrame, SkippedPart
+from ..recordings.mcap_file import McapFile
 from ..recordings.new_files import is_overwritten, new_file, new_folder, same_path
 from ..recordings.nodes import Nodes, NodeSetting, follow
 from ..recordings.packages import MissingPackageError
@@ -39,6 +41,8 @@ from .log_source import BLOCK, ended_by_interrupt, known_nodes, log_directions, 
 from .node_settings import bus_of, differences_option, direction_of, recorder_option, split_option
 from .terminal import print_data, print_text, progress
 
+BINARY = {"parquet": "a folder: --out tables", "mcap": "a file: --out log.mcap"}
+"""The formats of rows that are not text, and what each needs."""
 
 class LogOrFrame(click.Path):
     """The name of a log, or a frame as candump or another program prints it."""
@@ -101,9 +105,9 @@ class Outputs(NamedTuple):
 @click.option(
     "--format",
     "form",
-    type=click.Choice(["text", "csv", "jsonl", "parquet"]),
-    help="The format of rows: a table, CSV with one line for each value, JSON Lines, or a folder of Parquet files, one "
-    "for each layout.  [default: text]",
+    type=click.Choice(["text", "csv", "jsonl", "parquet", "mcap"]),
+    help="The format of rows: a table, CSV with one line for each value, JSON Lines, a folder of Parquet files, one "
+    "for each layout, or a file of MCAP for viewers, with a topic for each node and layout.  [default: text]",
 )
 @click.option("--out", type=FilePath(), help="File or folder for the rows.  [default: standard output]")
 @click.option(
@@ -210,8 +214,8 @@ def _explain(frame: CanFrame, editions: Sequence[Edition], settings: Sequence[No
 def _check(outputs: Outputs) -> None:
     if bool(outputs.plot) != bool(outputs.fields):
         raise click.UsageError("--plot and --field need each other: --plot current.png --field current")
-    if outputs.form == "parquet" and outputs.out is None:
-        raise click.UsageError("--format parquet needs a folder: --out tables")
+    if outputs.form in BINARY and outputs.out is None:
+        raise click.UsageError(f"--format {outputs.form} needs {BINARY[outputs.form]}")
     if outputs.form == "none" and outputs.out:
         raise click.UsageError("--out needs a --format")
 
@@ -313,9 +317,9 @@ def _write(
             picture = stack.enter_context(new_file(outputs.plot))
             plot = pictures.Plot(outputs.fields)
             writers.append(plot.write)
-        if outputs.form == "parquet" and outputs.out:
-            folder = stack.enter_context(new_folder(outputs.out))
-            writers.append(stack.enter_context(contextlib.closing(ParquetTables(folder))).write)
+        binary = _binary(outputs, stack)
+        if binary:
+            writers.append(binary.write)
         emit, text_of = _emitter(outputs, stack), _printer(outputs.form)
         advance = stack.enter_context(progress("frames", shown=not (outputs.prints_rows and sys.stdout.isatty())))
         block: list[Row] = []
@@ -341,22 +345,40 @@ def _write(
         if plot and picture and outputs.plot:
             remarks += [f"{outputs.plot}: no frame has a field {name}" for name in plot.missing]
             plot.save(picture, outputs.plot.suffix)
-    if split:
-        remarks += _channels(split, outputs)
-    return remarks
+    return [*remarks, *_channels(split, outputs), *_times(binary, outputs)]
 
 
-def _channels(split: split_logs.SplitLog, outputs: Outputs) -> Iterator[str]:
+def _channels(split: split_logs.SplitLog | None, outputs: Outputs) -> Iterator[str]:
     """Remarks on the channels of a split log."""
+    if split is None:
+        return
     for bus, first in split.buses.items():
         name = f"of {bus_name(bus)} " if bus else ""
         yield f"{outputs.split}: requests {name}on channel {first}, replies on {first + 1}, others on {first + 2}"
     yield f"`canwright decode --from-split {outputs.split}` reads them again"
 
 
+def _times(binary: McapFile | ParquetTables | None, outputs: Outputs) -> Iterator[str]:
+    """A remark on times that differ from those of the log."""
+    if isinstance(binary, McapFile) and binary.untimed:
+        frames = counted(binary.untimed, "frame")
+        yield f"{outputs.out}: {frames} without a time, or with a negative one, at the time of the frame before"
+
+
+def _binary(outputs: Outputs, stack: contextlib.ExitStack) -> McapFile | ParquetTables | None:
+    """What writes rows that are not text."""
+    if outputs.form not in BINARY or outputs.out is None:
+        return None
+    if outputs.form == "parquet":
+        folder = stack.enter_context(new_folder(outputs.out))
+        return stack.enter_context(contextlib.closing(ParquetTables(folder)))
+    file = stack.enter_context(stack.enter_context(new_file(outputs.out)).open("wb"))
+    return stack.enter_context(contextlib.closing(McapFile(file)))
+
+
 def _emitter(outputs: Outputs, stack: contextlib.ExitStack) -> Callable[[str], object]:
     """Where lines are written to."""
-    if outputs.out and outputs.form != "parquet":
+    if outputs.out and outputs.form not in BINARY:
         file = stack.enter_context(new_file(outputs.out))
         return stack.enter_context(file.open("w", encoding="utf-8", newline="\n")).write
     return print_text if outputs.form == "text" else print_data

@@ -33,18 +33,18 @@ def columns_of(layout: Layout, frame_columns: Iterable[str] = FRAME_COLUMNS) -> 
     """The columns of each field. A name that is taken has `_` appended: those of the frame come first, then values."""
     taken = set(frame_columns)
     fields = varying(layout)
-    values = [_free(field.name, taken) for field in fields]
-    raws = [_free(f"{field.name}_raw", taken) for field in fields]
+    values = [free_name(field.name, taken) for field in fields]
+    raws = [free_name(f"{field.name}_raw", taken) for field in fields]
     return {field: Columns(*names) for field, *names in zip(fields, values, raws, strict=True)}
 
 
 def tables_of(edition: Edition) -> Mapping[Layout, str]:
     """The name of the table of each layout."""
     taken: set[str] = set()
-    return {m: _free(m.name, taken) for m in dict.fromkeys(message.layout for message in edition.all_messages())}
+    return {m: free_name(m.name, taken) for m in dict.fromkeys(message.layout for message in edition.all_messages())}
 
 
-def _free(name: str, taken: set[str]) -> str:
+def free_name(name: str, taken: set[str]) -> str:
     """A name with as many `_` appended as it takes to differ from all others."""
     while name in taken:
         name += "_"
