@@ -44,6 +44,7 @@ from .terminal import print_data, print_text, progress
 BINARY = {"parquet": "a folder: --out tables", "mcap": "a file: --out log.mcap"}
 """The formats of rows that are not text, and what each needs."""
 
+
 class LogOrFrame(click.Path):
     """The name of a log, or a frame as candump or another program prints it."""
 
