@@ -26,7 +26,7 @@ from .changes import BLOCK, NodeFrames
 from .log_frame import LogFrame, Mark
 from .results import Identification, NodeResult
 from .scoring import Observation, ScoredClass, ScoredClasses
-from .steps import State, Step, Waiting, meaning
+from .steps import Repetition, State, Step, Waiting, meaning
 
 MAX_KNOWN = 1 << 16
 """The maximum number of ids, and of steps between two states, that are remembered."""
@@ -104,8 +104,9 @@ class Identifier:
         node = self._nodes.get((bus, node_number)) or self._frames_of(bus, node_number)
         observation = kind.observation(id_, content)
         direction = self._direction(bus, mark) if mark is not None else None
-        known = observation if direction is None else (observation, direction)
-        step = node.state.steps.get(known) or self._step(node, observation, direction)
+        repetition = node.repetition(recorded, kind)
+        known = observation if direction is None and repetition is None else (observation, direction, repetition)
+        step = node.state.steps.get(known) or self._step(node, observation, direction, repetition)
         node.state = step.then
         node.recent.append((step, number, recorded))
         if len(node.recent) >= BLOCK:
@@ -180,21 +181,24 @@ class Identifier:
     def _state(self, waiting: tuple[Waiting, ...]) -> State:
         return self._states.setdefault(waiting, State(waiting))
 
-    def _step(self, node: NodeFrames, observation: Observation, direction: Direction | None) -> Step:
+    def _step(
+        self, node: NodeFrames, observation: Observation, direction: Direction | None, repetition: Repetition | None
+    ) -> Step:
         """The step from the state of a node, remembered."""
         if self._steps >= MAX_KNOWN:
             self._states.clear()
             self._steps = 0
         state = self._state(node.state.waiting)
         meanings = [
-            meaning(edition, waiting, interpretations, direction, has_number=node.number is not None)
+            meaning(edition, waiting, interpretations, direction, repetition, has_number=node.number is not None)
             for edition, waiting, interpretations in zip(
                 self.editions, state.waiting, observation.by_edition, strict=True
             )
         ]
         then = self._state(tuple(each.waiting for each in meanings))
         step = Step(observation.kind, meanings, then)
-        state.steps[observation if direction is None else (observation, direction)] = step
+        known = observation if direction is None and repetition is None else (observation, direction, repetition)
+        state.steps[known] = step
         self._steps += 1
         return step
 
