@@ -22,6 +22,7 @@ from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT, SPECS, WITHOUT_SETTINGS_IN_IDS, called, edition
+from .traffic import in_cycles
 
 EDITIONS = [specification(file).edition for file in spec_files(ROOT / "spec")]
 
@@ -44,14 +45,8 @@ def identified(lines: Sequence[str], editions: Sequence[Edition] = EDITIONS) -> 
     return identify(candump.read([f"(1.000000) can0 {line}\n" for line in lines], Counts()), editions)
 
 
-def cycles(*cycles: str) -> Identification:
-    """The identification of cycles of 10 ms: each frame is an offset in microseconds, its text, and its mark."""
-    lines = []
-    for number, cycle in enumerate(cycles):
-        for frame in cycle.split(", "):
-            offset, data, *mark = frame.split()
-            lines.append(f"(1.{number * 10_000 + int(offset):06}) can0 {' '.join([data, *mark])}\n")
-    return identify(candump.read(lines, Counts()), EDITIONS)
+def cycles(*texts: str) -> Identification:
+    return identify(in_cycles(*texts), EDITIONS)
 
 
 def names(result: NodeResult) -> list[str]:
@@ -164,6 +159,17 @@ def test_a_copy_of_a_request_with_any_mark(mark: str) -> None:
     (result,) = cycles(*[cycle] * 9).nodes
     assert (names(result), result.scores[0].unanswered) == (["v2.35-2024-02"], {})
     assert not result.scores[0].against
+
+
+def test_marks_count_where_a_node_has_both() -> None:
+    """Another host drives node 2; without a received frame, the motors are simulated on the computer of the recorder."""
+    status, angle = ("9A00000000000000", "9A20081300000000"), ("9200000000000000", "9218FCFFFFFFFFFF")
+    own = [f"0 141#{asked} T, 200 141#{answered} R" for asked, answered in (status, angle)]
+    of_others = [f"0 142#{asked} R, 200 142#{answered} R" for asked, answered in (status, angle)]
+    for result in cycles(*own, *of_others).nodes:
+        assert (names(result), result.scores[0].unanswered) == (["v2.35-2024-02"], {})
+        assert not result.scores[0].against
+    assert names(cycles(*[line.replace(" R", " T") for line in own]).nodes[0]) == ["v2.35-2024-02"]
 
 
 def test_a_poll_is_not_answered_by_itself() -> None:

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 from ..model.edition import Edition
 from .bus_behaviour import COPIED_WITHIN
-from .log_frame import LogFrame
+from .log_frame import LogFrame, Mark
 from .results import Place
 from .scoring import ScoredClass
 from .steps import Repetition, State, Step
@@ -62,6 +62,7 @@ class NodeFrames:
         self.bus = bus
         self.number = number
         self.state = state
+        self.marks: set[Mark] = set()
         self.recent: list[Arrival] = []
         """Frames that are not examined yet."""
         self.tallies = [Tally(editions)]

@@ -38,7 +38,7 @@ def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[st
                 f"{where}{unexpected[bus]} of {count} replies answer no request in the log: {', '.join(causes[:-1])} or "
                 f"{causes[-1]}{advice}"
             )
-        elif behaviour.old_bits and not behaviour.is_marked:
+        elif behaviour.old_bits and (behaviour.unmarked or not behaviour.is_marked):
             names = sorted({bits.request.command for bits in behaviour.old_bits})
             shown = ", ".join(names[:_SHOWN]) + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")
             varies = any(bits.value is None for bits in behaviour.old_bits)

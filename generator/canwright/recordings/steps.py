@@ -10,6 +10,7 @@ from typing import NamedTuple
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Direction
+from ..semantics.exchange import repeats_request
 from ..semantics.plan import message_plan
 from .checks import STRONG, Reason
 from .scoring import Interpretation, Observation, ScoredClass, reply_rule
@@ -178,22 +179,11 @@ def _repeated(
         return None
     replies = edition.command(open_.command).replies
     equal = [i for i in interpretations if not i.points and any(reply.message is i.message for reply in replies)]
-    is_likely = direction is Direction.REPLY or (direction is None and _repeats(edition, request))
+    is_likely = direction is Direction.REPLY or (direction is None and repeats_request(edition.command(open_.command)))
     if equal and is_likely:
         kept = () if open_.is_answered else (open_._replace(is_answered=True),)
         return Meaning(equal[0], (*(each for each in waiting if each is not open_), *kept))
     return Meaning(request, waiting) if repetition is Repetition.SECOND else None
-
-
-def _repeats(edition: Edition, request: Interpretation) -> bool:
-    """Whether the reply has the bytes of the request: it is an echo, or has no bits but those that a write sets."""
-    assert request.message is not None
-    command = edition.command(request.message.command)
-    free = message_plan(request.message).reserved.mask
-    return command.is_echoed or (
-        bool(request.message.layout.fields)
-        and any(not free & ~message_plan(reply.message).reserved.mask for reply in command.replies)
-    )
 
 
 def _points(interpretation: Interpretation) -> int:
