@@ -17,6 +17,7 @@ from canwright.recordings.frame_classes import WINDOW
 from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.recordings.rows import RowReader
 from canwright.recordings.summary import Summary
+from canwright.recordings.two_recorders import repeated_after
 from canwright.semantics.frame import CanFrame
 from hypothesis import given, settings, strategies as st
 
@@ -213,6 +214,36 @@ def test_bits_that_request_and_reply_reserve_do_not_decide(byte: str) -> None:
     write = f"0 141#B10E{byte * 2}22000000, 300 141#B10E000022000000"
     judged = judge(WITH_WRITES, in_cycles(*[read, brake, write] * 20))
     assert [frame.request for frame in judged[1::2]] == [frame.number for frame in judged[::2]]
+
+
+def repeated(frames: Sequence[LogFrame], after: int) -> list[LogFrame]:
+    """The frames of two recorders, the clock of the second of which is late by some ns."""
+    later = [frame._replace(time=frame.time + after) for frame in frames if frame.time is not None]
+    return sorted([*frames, *later], key=lambda frame: frame.time or 0)
+
+
+@pytest.mark.parametrize("after", [1_900_000, 12_000_000, 250_000_000])
+def test_a_log_of_two_recorders(after: int) -> None:
+    """Replies would be paired with requests of the other recorder."""
+    log = [sent.recorded for sent in MotorBus("polling", motor_bus.SITUATIONS["clean"], 1).frames(500)]
+    directions, summary = Directions({}, MOTOR), Summary()
+    for row in RowReader(lambda *_: {}).rows(directions.classify(repeated(log, after))):
+        summary.add(row)
+    text = " ".join(doubts(summary, directions.behaviours or {}))
+    assert f"each frame is recorded twice, again after {after / 1e6:g} ms" in text
+
+
+@pytest.mark.parametrize("mix", motor_bus.MIXES)
+@pytest.mark.parametrize("name", motor_bus.SITUATIONS)
+def test_a_log_of_one_recorder_is_not_taken_for_that_of_two(name: str, mix: str) -> None:
+    log = [sent.recorded for sent in MotorBus(mix, motor_bus.SITUATIONS[name], 1).frames(500)]
+    assert repeated_after(log) is None or "doubled" in name
+    poll = "0 141#9A00000000000000, 300 141#9A32081364000000"
+    toggling = [poll, poll.replace("1364000000", "1364000001")]
+    twice = f"{poll}, 2000 141#9A00000000000000, 2300 141#9A32081364000000"
+    for cycles in ([poll], [twice], toggling):
+        assert repeated_after(in_cycles(*cycles * 50)) is None
+    assert repeated_after(repeated(in_cycles(*toggling * 50), 12_000_000)) == 12_000_000
 
 
 def test_a_recorder_at_the_node_sends_replies() -> None:

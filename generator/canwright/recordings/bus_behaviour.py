@@ -26,7 +26,8 @@ class Behaviour(NamedTuple):
     received, as of another host. `copied` are the directions in which each frame is recorded
     twice. `reply_time` is the time in ns within which nine of ten replies come, None if unknown. `old_bits` are requests
     of a host that leaves old bytes in its transmit buffer. `only` is the direction of all frames, if the log lacks those of
-    the other. `resolution` is that of the times in ns, by which a latency is uncertain.
+    the other. `resolution` is that of the times in ns, by which a latency is uncertain. `repeated_after` is the time in ns
+    after which each frame is recorded again, as by a second recorder; None if it is not.
     """
 
     is_marked: bool = False
@@ -36,6 +37,7 @@ class Behaviour(NamedTuple):
     old_bits: tuple[OldBits, ...] = ()
     only: Direction | None = None
     resolution: int = 1
+    repeated_after: int | None = None
 
     @property
     def certain(self) -> Behaviour:

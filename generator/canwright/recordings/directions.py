@@ -54,6 +54,7 @@ from .frame_classes import (
 )
 from .log_frame import LogFrame, Mark, new_tuple
 from .observed_behaviour import Observed, observe
+from .two_recorders import repeated_after
 
 _Marks = dict[tuple[str, int | None], set[Mark | None]]
 """The marks of the frames of each node of each bus."""
@@ -356,6 +357,9 @@ class Directions:
             if all(own == known.get(bus, Behaviour()) for bus, own in certain.items()):
                 break
             known = certain
+        for bus, own in learned.items():
+            if len(own.copied) < len(Direction):
+                learned[bus] = own._replace(repeated_after=repeated_after(f for f in start if f.bus == bus))
         return learned
 
     def _observed(self, start: Sequence[LogFrame], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
