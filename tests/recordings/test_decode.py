@@ -533,9 +533,18 @@ def test_named_numbers_are_numbers_with_a_name() -> None:
 
 def test_a_node_that_does_not_reply_has_the_edition_of_others_of_its_bus() -> None:
     silent = "".join(f"({second}.000000) {bus} 145#9A00000000000000\n" for second in (1, 2) for bus in ("can0", "can1"))
-    text = decode(MIXED + silent).stdout
+    text = decode(MIXED + silent, status=1).stdout
     assert "can0, node 5, v2.35 (assumed, as of other nodes of the bus, since most requests have no reply)" in text
     assert "  2 missing: 2 requests without an answer" in text
+
+
+def test_no_edition_is_assumed_that_explains_the_frames_worse_than_another_one() -> None:
+    """777 of 0.1 V is 0x0309, but DATA[2] and DATA[5] of that reply would be 0."""
+    asked, answered = "145#9A00000000000000", "145#9A32600903010000"
+    log = "".join(f"({2 + i / 100}) can0 {data}\n" for i, data in enumerate((asked, answered, asked, asked)))
+    editions = [f"--spec={ROOT / 'spec/mwd_motor' / name}.yaml" for name in ("v2.35", "v2.35-2024-02")]
+    text = decode(MIXED + log, *editions, status=1).stdout
+    assert "can0, node 5; can1, node 3: no edition fits, so these frames count as foreign" in text
 
 
 def test_csv_has_one_line_for_each_value() -> None:

@@ -17,16 +17,18 @@ from canwright.recordings.frame_classes import WINDOW
 from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.recordings.rows import RowReader
 from canwright.recordings.summary import Summary
+from canwright.recordings.two_recorders import repeated_after
 from canwright.semantics.frame import CanFrame
 from hypothesis import given, settings, strategies as st
 
 from ..spec_texts import ROOT, WITHOUT_SETTINGS_IN_IDS, called
 from . import motor_bus
 from .motor_bus import MotorBus
-from .traffic import MIXES, Loss, Sent, Traffic, together, with_clock_jumps, with_marks
+from .traffic import MIXES, Loss, Sent, Traffic, in_cycles, together, with_clock_jumps, with_marks
 
 EDITIONS = {called(file): specification(file).edition for file in WITHOUT_SETTINGS_IN_IDS}
 MOTOR = EDITIONS["mwd_motor/v2.35"]
+WITH_WRITES = EDITIONS["mwd_motor/v2.35-2024-02"]
 JOINT = EDITIONS["joint/v1"]
 
 BARS = {Loss(): 0.01, Loss(0.01): 0.07, Loss(0.1): 0.5, Loss(0.1, has_retries=True): 1.2}
@@ -162,13 +164,86 @@ def test_marks_are_obeyed(spec: str) -> None:
     log = with_marks(Traffic(edition, "mixed", 3, loss=Loss(0.1, has_retries=True, not_recorded=0.1)).frames(100))
     judged = judge(edition, [sent.recorded for sent in log])
     assert [frame.direction for frame in judged] == [sent.direction for sent in log]
-    assert {frame.decided_by for frame in judged} == {DecidedBy.MARK}
+    # That of a node of which no request is recorded does not count.
+    assert sum(frame.decided_by is DecidedBy.MARK for frame in judged) > 0.8 * len(judged)
     assert all(frame.message is not None for frame in judged)
 
 
 def test_marks_of_a_listener_do_not_decide_directions() -> None:
     log = [frame._replace(mark=Mark.RECEIVED) for frame in frames("141#9A00000000000000 141#9A3200E701000000")]
     assert [frame.direction for frame in judge(MOTOR, log)] == [Direction.REQUEST, Direction.REPLY]
+
+
+def test_marks_count_where_a_node_has_both() -> None:
+    """Another host drives node 2, also with requests that are all marked as received; or all frames are sent."""
+    status, angle = ("9A00000000000000", "9A20081300000000"), ("9200000000000000", "9218FCFFFFFFFFFF")
+    own = [f"0 141#{asked} T, 200 141#{answered} R" for asked, answered in (status, angle)]
+    of_others = [f"0 142#{asked} R, 200 142#{answered} R" for asked, answered in (status, angle)]
+    sent = [line.replace(" R", " T") for line in own]
+    for log, decided in ((own + of_others, "mark mark mark mark"), (sent, "pairing content pairing content")):
+        judged = judge(WITH_WRITES, in_cycles(*log))
+        assert [frame.direction for frame in judged] == [Direction.REQUEST, Direction.REPLY] * len(log)
+        assert " ".join(frame.decided_by.value for frame in judged[:4]) == decided
+
+
+@pytest.mark.parametrize("name", ["v2.35-2024-02", "v2.36-2024-11"])
+def test_a_copy_of_a_request_that_is_marked_as_received(name: str) -> None:
+    """The adapter returns the requests of its host."""
+    reply = "141" if name.startswith("v2.35") else "181"
+    cycle = f"0 141#9A00000000000000 T, 80 141#9A00000000000000 R, 300 {reply}#9A32081364000000 R"
+    judged = judge(EDITIONS[f"mwd_motor/{name}"], in_cycles(*[cycle] * 20))
+    assert {frame.decided_by for frame in judged[1::3]} == {DecidedBy.COPY}
+    assert [frame.request for frame in judged[2::3]] == [frame.number for frame in judged[::3]]
+
+
+@pytest.mark.parametrize("mark", ["", " R"])
+@pytest.mark.parametrize("data", ["B10E000022000000", "8C01000000000000"])
+def test_replies_with_the_bytes_of_writes_are_no_copies(data: str, mark: str) -> None:
+    asked = mark and " T"
+    write = f"0 141#{data}{asked}, 300 141#{data}{mark}"
+    read = f"0 141#9A00000000000000{asked}, 300 141#9A32081364000000{mark}"
+    judged = judge(WITH_WRITES, in_cycles(*[*[write] * 9, read] * 3))
+    assert [frame.request for frame in judged[1::2]] == [frame.number for frame in judged[::2]]
+
+
+@pytest.mark.parametrize("byte", ["55", "FF"])
+def test_bits_that_request_and_reply_reserve_do_not_decide(byte: str) -> None:
+    """A host that fills reserved bytes."""
+    read = f"0 141#9A{byte * 7}, 300 141#9A32081364000000"
+    brake = f"0 141#8C01{byte * 6}, 300 141#8C01000000000000"
+    write = f"0 141#B10E{byte * 2}22000000, 300 141#B10E000022000000"
+    judged = judge(WITH_WRITES, in_cycles(*[read, brake, write] * 20))
+    assert [frame.request for frame in judged[1::2]] == [frame.number for frame in judged[::2]]
+
+
+def repeated(frames: Sequence[LogFrame], after: int) -> list[LogFrame]:
+    """The frames of two recorders, the clock of the second of which is late by some ns."""
+    later = [frame._replace(time=frame.time + after) for frame in frames if frame.time is not None]
+    return sorted([*frames, *later], key=lambda frame: frame.time or 0)
+
+
+@pytest.mark.parametrize("after", [1_900_000, 12_000_000, 250_000_000])
+def test_a_log_of_two_recorders(after: int) -> None:
+    """Replies would be paired with requests of the other recorder."""
+    log = [sent.recorded for sent in MotorBus("polling", motor_bus.SITUATIONS["clean"], 1).frames(500)]
+    directions, summary = Directions({}, MOTOR), Summary()
+    for row in RowReader(lambda *_: {}).rows(directions.classify(repeated(log, after))):
+        summary.add(row)
+    text = " ".join(doubts(summary, directions.behaviours or {}))
+    assert f"each frame is recorded twice, again after {after / 1e6:g} ms" in text
+
+
+@pytest.mark.parametrize("mix", motor_bus.MIXES)
+@pytest.mark.parametrize("name", motor_bus.SITUATIONS)
+def test_a_log_of_one_recorder_is_not_taken_for_that_of_two(name: str, mix: str) -> None:
+    log = [sent.recorded for sent in MotorBus(mix, motor_bus.SITUATIONS[name], 1).frames(500)]
+    assert repeated_after(log) is None or "doubled" in name
+    poll = "0 141#9A00000000000000, 300 141#9A32081364000000"
+    toggling = [poll, poll.replace("1364000000", "1364000001")]
+    twice = f"{poll}, 2000 141#9A00000000000000, 2300 141#9A32081364000000"
+    for cycles in ([poll], [twice], toggling):
+        assert repeated_after(in_cycles(*cycles * 50)) is None
+    assert repeated_after(repeated(in_cycles(*toggling * 50), 12_000_000)) == 12_000_000
 
 
 def test_a_recorder_at_the_node_sends_replies() -> None:

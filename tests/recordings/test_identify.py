@@ -22,6 +22,7 @@ from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT, SPECS, WITHOUT_SETTINGS_IN_IDS, called, edition
+from .traffic import in_cycles
 
 EDITIONS = [specification(file).edition for file in spec_files(ROOT / "spec")]
 
@@ -42,6 +43,10 @@ def write(folder: Path, lines: list[str]) -> Path:
 
 def identified(lines: Sequence[str], editions: Sequence[Edition] = EDITIONS) -> Identification:
     return identify(candump.read([f"(1.000000) can0 {line}\n" for line in lines], Counts()), editions)
+
+
+def cycles(*texts: str) -> Identification:
+    return identify(in_cycles(*texts), EDITIONS)
 
 
 def names(result: NodeResult) -> list[str]:
@@ -123,6 +128,73 @@ def test_marks_decide_between_a_request_and_a_reply() -> None:
     sent, received = f"{zero} T", f"{zero} R"
     assert names(identified([sent, received] * 3).nodes[0]) == ["v2.35", "v2.35-2024-02"]
     assert names(identified([sent] * 6).nodes[0]) == []
+
+
+STATUS_WITH_COPY = "0 141#9A00000000000000, 80 141#9A00000000000000, 300 181#9A257B0900000000"
+# 0xC0 with index 0x24 is the ramp of the current, which only the edition of 2024-11 has
+RAMP_WITH_COPY = "0 141#C024000000000000, 80 141#C024000000000000"
+
+
+def test_copies_of_requests_are_not_requests_without_a_reply() -> None:
+    """A recorder that has its own requests twice, as its adapter returns them."""
+    ramp = [f"{RAMP_WITH_COPY}, 300 181#C024000041000000", RAMP_WITH_COPY]
+    (result,) = cycles(*[STATUS_WITH_COPY] * 20, *ramp).nodes
+    assert names(result) == ["v2.36-2024-11"]
+    assert result.scores[0].unanswered == {"read_control_parameter_current_ramp": 1}
+    lost = STATUS_WITH_COPY.rpartition(",")[0]
+    assert names(cycles(*[STATUS_WITH_COPY] * 20, lost).nodes[0]) == ["v2.36-2024-11", "v2.36-2025-03"]
+
+
+def test_an_edition_that_does_not_explain_what_another_one_explains_does_not_fit() -> None:
+    """Even if 22 of 43 requests of the other one have no reply, and 20 of 40 of its own."""
+    status, ramp = "0 141#9A00000000000000", "0 141#C024000000000000"
+    answered = [*[f"{status}, 300 181#9A257B0900000000"] * 20, f"{ramp}, 300 181#C024000041000000"]
+    (result,) = cycles(*answered, *[status] * 20, *[ramp] * 2).nodes
+    assert names(result) == []
+
+
+@pytest.mark.parametrize("mark", ["T", "R"])
+def test_a_copy_of_a_request_with_any_mark(mark: str) -> None:
+    cycle = f"0 141#9A00000000000000 T, 80 141#9A00000000000000 {mark}, 300 141#9A32081364000000 R"
+    (result,) = cycles(*[cycle] * 9).nodes
+    assert (names(result), result.scores[0].unanswered) == (["v2.35-2024-02"], {})
+    assert not result.scores[0].against
+
+
+def test_marks_count_where_a_node_has_both() -> None:
+    """Another host drives node 2; without a received frame, the motors are simulated on the computer of the recorder."""
+    status, angle = ("9A00000000000000", "9A20081300000000"), ("9200000000000000", "9218FCFFFFFFFFFF")
+    own = [f"0 141#{asked} T, 200 141#{answered} R" for asked, answered in (status, angle)]
+    of_others = [f"0 142#{asked} R, 200 142#{answered} R" for asked, answered in (status, angle)]
+    for result in cycles(*own, *of_others).nodes:
+        assert (names(result), result.scores[0].unanswered) == (["v2.35-2024-02"], {})
+        assert not result.scores[0].against
+    assert names(cycles(*[line.replace(" R", " T") for line in own]).nodes[0]) == ["v2.35-2024-02"]
+
+
+def test_a_poll_is_not_answered_by_itself() -> None:
+    """A host that asks a silent node each millisecond: the edition cannot be seen from requests."""
+    poll = ", ".join(f"{offset} 141#9A00000000000000" for offset in range(0, 10_000, 1_000))
+    assert names(cycles(*[poll] * 9).nodes[0]) == []
+
+
+@pytest.mark.parametrize("data", ["B10E000022000000", "8C01000000000000"])
+def test_the_reply_to_a_write_has_its_bytes(data: str) -> None:
+    write, read = f"0 141#{data}, 300 141#{data}", "0 141#9A00000000000000, 300 141#9A32081364000000"
+    (result,) = cycles(*[write] * 9, read).nodes
+    assert (names(result), result.scores[0].unanswered) == (["v2.35-2024-02"], {})
+    (silent,) = cycles(*[f"0 141#{data}, 5000 141#{data}"] * 9, read).nodes
+    assert names(silent) == []
+
+
+@pytest.mark.parametrize("byte", ["55", "FF"])
+def test_a_host_that_fills_reserved_bytes(byte: str) -> None:
+    """Bits that request and reply reserve do not show which of the two a frame is."""
+    read = f"0 141#9A{byte * 7}, 300 141#9A32081364000000"
+    brake = f"0 141#8C01{byte * 6}, 300 141#8C01000000000000"
+    write = f"0 141#B10E{byte * 2}22000000, 300 141#B10E000022000000"
+    (result,) = cycles(*[read, brake, write] * 20).nodes
+    assert (names(result), result.unexplained, result.scores[0].unanswered) == (["v2.35-2024-02"], (), {})
 
 
 def test_a_node_with_a_damaged_id_is_listed_apart(tmp_path: Path) -> None:

@@ -204,13 +204,13 @@ def test_equal_motors_are_one_result(folder: str) -> None:
 
 def test_what_is_identified_is_printed_first() -> None:
     log = "".join(
-        f"(1.000000) {bus} {frame.id:03X}#{frame.data.hex().upper()}\n"
+        f"({number / 100:.6f}) {bus} {frame.id:03X}#{frame.data.hex().upper()}\n"
         for bus, frames in (
             ("can0", canopen()),
             ("can1", dead_motor()),
             ("can2", traffic("v2.35", rounds=2, nodes=[3])),
         )
-        for frame in frames
+        for number, frame in enumerate(frames)
     )
     result = CliRunner().invoke(main, ["identify", "-", "--spec", str(ROOT / "spec")], input=log)
     assert result.exit_code == 1

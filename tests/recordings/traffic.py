@@ -18,7 +18,8 @@ from canwright.model.edition import Edition
 from canwright.model.layout import Field
 from canwright.model.message import Command, Direction, Message
 from canwright.model.refusal import Refusal
-from canwright.recordings.log_frame import LogFrame, Mark
+from canwright.recordings import candump
+from canwright.recordings.log_frame import Counts, LogFrame, Mark
 from canwright.semantics.encoder import Encoder
 from canwright.semantics.frame import CanFrame, Raw
 
@@ -28,6 +29,16 @@ TIMEOUT = (600_000, 1_800_000)
 """The time after which the host repeats a request or continues, in ns."""
 RETRIES = 3
 START = 1_700_000_000_000_000_000
+
+
+def in_cycles(*cycles: str) -> list[LogFrame]:
+    """The frames of cycles of 10 ms: each is an offset in microseconds, its text, and its mark."""
+    lines = []
+    for number, cycle in enumerate(cycles):
+        for frame in cycle.split(", "):
+            offset, *text = frame.split()
+            lines.append(f"({1 + number // 100}.{number % 100 * 10_000 + int(offset):06}) can0 {' '.join(text)}\n")
+    return list(candump.read(lines, Counts()))
 
 
 class _Wanted(NamedTuple):

@@ -2,11 +2,13 @@
 
 Requests and replies can share an id and a code. The rules are tried in this order:
 
-- mark: the log marks the frames that its recorder sent. If it marks none on a bus, the recorder only listened.
+- mark: the log marks the frames that its recorder sent. If no node of a bus has both sent and received frames, the recorder
+  only listened, or sent all. If a node has only received frames, another host asks it, unless frames without a node
+  are sent.
 - id: only requests, or only replies, have it.
 - log: the log lacks the requests, or the replies, of the bus.
 - content: only one direction has this length, these keys and constants; or the frame sets bits that the request
-  reserves, or has a value that the request does not allow: then it is a reply.
+  reserves and a reply does not, or has a value that the request does not allow: then it is a reply.
 - pairing: a request opens an exchange on each channel on which it is answered, and a reply within the window closes it.
 - retry: a frame with the bytes of an open request repeats it.
 
@@ -52,7 +54,10 @@ from .frame_classes import (
 )
 from .log_frame import LogFrame, Mark, new_tuple
 from .observed_behaviour import Observed, observe
+from .two_recorders import repeated_after
 
+_Marks = dict[tuple[str, int | None], set[Mark | None]]
+"""The marks of the frames of each node of each bus."""
 _WINDOWS = (None, 20_000_000, 200_000_000)
 """The windows in ns that are tried while the behaviour is learned."""
 _LEARNED_FROM = 64
@@ -129,11 +134,14 @@ class _IdState:
     There are several editions if nodes of different editions obey one broadcast; the first decides on the direction.
     """
 
-    __slots__ = ("editions", "key_bits", "known", "node")
+    __slots__ = ("editions", "is_marked", "key_bits", "known", "node")
 
-    def __init__(self, editions: Sequence[FrameClasses], frame: CanFrame, node: int | None) -> None:
+    def __init__(
+        self, editions: Sequence[FrameClasses], frame: CanFrame, node: int | None, behaviour: Behaviour
+    ) -> None:
         self.editions = editions
         self.node = node
+        self.is_marked = behaviour.is_marked and node not in behaviour.unmarked
         self.key_bits = functools.reduce(operator.or_, (each.id_class(frame).key_bits for each in editions), 0)
         self.known: dict[int, _Known] = {}
 
@@ -190,13 +198,12 @@ class _Bus:
     """The state of one bus: its clock, which never runs backwards, and the open exchanges."""
 
     __slots__ = (
-        *("behaviour", "clock", "copied", "count", "is_marked", "latest", "lines", "open", "time", "until", "waiting"),
-        *("window",),
+        *("behaviour", "clock", "copied", "count", "latest", "lines", "open", "time", "until", "waiting", "window"),
     )
 
     def __init__(self, behaviour: Behaviour, window: int) -> None:
         self.behaviour = behaviour
-        self.is_marked, self.copied = behaviour.is_marked, behaviour.copied
+        self.copied = behaviour.copied
         self.window = window
         self.clock = 0
         self.time: int | None = None
@@ -298,17 +305,27 @@ class Directions:
         return _released(self._held)
 
     def _learning(self, recorded: Iterable[LogFrame]) -> Iterator[LogFrame]:
-        """The frames of a stream; the behaviour is learned while they pass, at a sent frame of a bus without marks too."""
+        """The frames of a stream; the behaviour is learned while they pass, and where a node first has both marks.
+
+        Before, of each node only the mark of its first frame counts, if that is sent.
+        """
         start: list[LogFrame] = []
         iterator, due = iter(recorded), _LEARNED_FROM
+        marks: _Marks = {}
         for frame in itertools.islice(iterator, LOOKED_AHEAD):
             start.append(frame)
-            known = (self.behaviours or {}).get(frame.bus)
-            is_marked = frame.mark is Mark.SENT and not (known and known.is_marked) and self._has_id(frame)
-            if is_marked or len(start) == due:
+            count = len(marks)
+            if self._completes_marks(frame, marks) or len(start) == due:
                 self._behave(self.learn(start))
             due *= 4 if len(start) == due else 1
-            yield frame
+            learned = self.behaviours or {}
+            known = learned.get(frame.bus, Behaviour())
+            if frame.mark is Mark.SENT and len(marks) > count and not known.is_marked:
+                self._behave({**learned, frame.bus: known._replace(is_marked=True)})
+                yield frame
+                self._behave(learned)
+            else:
+                yield frame
         self._behave(self.learn(start))
         yield from iterator
 
@@ -318,7 +335,7 @@ class Directions:
         for name, behaviour in behaviours.items():
             if name in self._buses:
                 bus = self._buses[name]
-                bus.behaviour, bus.is_marked, bus.copied = behaviour, behaviour.is_marked, behaviour.copied
+                bus.behaviour, bus.copied = behaviour, behaviour.copied
                 bus.window = self._bus_window(behaviour)
                 bus.forget_classes()
 
@@ -331,9 +348,7 @@ class Directions:
 
         `marked` are the buses with marks; None if the frames show them.
         """
-        if marked is None:
-            marked = {frame.bus for frame in start if frame.mark is Mark.SENT and self._has_id(frame)}
-        known = {bus: Behaviour(is_marked=True) for bus in marked}
+        known = self._marked(start) if marked is None else {bus: Behaviour(is_marked=True) for bus in marked}
         learned: dict[str, Behaviour] = {}
         for _ in range(_ROUNDS):
             observed = self._observed(start, known)
@@ -342,6 +357,9 @@ class Directions:
             if all(own == known.get(bus, Behaviour()) for bus, own in certain.items()):
                 break
             known = certain
+        for bus, own in learned.items():
+            if len(own.copied) < len(Direction):
+                learned[bus] = own._replace(repeated_after=repeated_after(f for f in start if f.bus == bus))
         return learned
 
     def _observed(self, start: Sequence[LogFrame], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
@@ -359,8 +377,22 @@ class Directions:
                 break
         return best
 
-    def _has_id(self, frame: LogFrame) -> bool:
-        return any(classes.id_class(frame.frame).nodes for classes in self._classes)
+    def _marked(self, start: Iterable[LogFrame]) -> dict[str, Behaviour]:
+        """The buses on which marks count, and the nodes to which nothing is sent, though each sent frame is for one node."""
+        marks: _Marks = {}
+        buses = {frame.bus for frame in start if self._completes_marks(frame, marks)}
+        to_all = {bus for (bus, node), own in marks.items() if node is None and Mark.SENT in own}
+        received = {place for place, own in marks.items() if Mark.SENT not in own and place[0] not in to_all}
+        return {bus: Behaviour(True, frozenset(node for of, node in received if of == bus)) for bus in buses}
+
+    def _completes_marks(self, frame: LogFrame, marks: _Marks) -> bool:
+        """Adds the mark of a frame to those of the nodes of its id; returns whether one now has both."""
+        is_complete = False
+        for node in {node for each in self._classes for node in each.id_class(frame.frame).nodes} if frame.mark else ():
+            own = marks.setdefault((frame.bus, node), set())
+            is_complete |= {*own, frame.mark} > own and bool(own)
+            own.add(frame.mark)
+        return is_complete
 
     def decide_pending(self, bus: str, time: int | None = None) -> None:
         """Decides on the frames of a bus that wait: of those for which it is too late at a time, or of all."""
@@ -408,7 +440,8 @@ class Directions:
         latest = bus.latest.pop(node, None)
         if latest is not None and latest.frame == arrived.recorded.frame:
             first = self._first(latest)
-            mark = arrived.recorded.mark if bus.is_marked else None
+            # A copy of a request can be marked as received, as the adapter returns it.
+            mark = arrived.recorded.mark if arrived.line.is_marked and first.direction is Direction.REPLY else None
             if first.direction in bus.copied and (mark is None or self._of_mark[mark] is first.direction):
                 return first._replace(
                     recorded=arrived.recorded,
@@ -440,7 +473,7 @@ class Directions:
     def _decide(self, arrived: PendingFrame, data: int) -> DirectedFrame | PendingFrame:
         """The result by the mark, the id, the content or the exchange; the frame itself if it has to wait."""
         recorded, known = arrived.recorded, arrived.known
-        if recorded.mark is not None and arrived.bus.is_marked:
+        if recorded.mark is not None and arrived.line.is_marked:
             direction: Direction | None = self._of_mark[recorded.mark]
             decided_by = DecidedBy.MARK
         else:
@@ -650,7 +683,9 @@ class Directions:
         ]
         node = having[0][1] if having else None
         editions = [classes for classes, sender in having if sender == node]
-        line = bus.lines[frame.id, frame.extended, frame.remote, len(frame.data)] = _IdState(editions, frame, node)
+        line = bus.lines[frame.id, frame.extended, frame.remote, len(frame.data)] = _IdState(
+            editions, frame, node, bus.behaviour
+        )
         bus.count += 1
         return line
 

@@ -29,6 +29,11 @@ def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[st
     for bus, count in replies.items():
         where = f"{bus}: " if bus else ""
         behaviour = behaviours.get(bus, Behaviour())
+        if behaviour.repeated_after is not None:
+            yield (
+                f"{where}each frame is recorded twice, again after {behaviour.repeated_after / 1_000_000:g} ms, as by two "
+                "recorders: replies can answer the wrong requests; keep the frames of one recorder"
+            )
         if count >= _LEAST and 4 * unexpected[bus] > count:
             causes = ["it lacks requests", "replies take longer than --window"]
             if inferred[bus]:
@@ -38,7 +43,7 @@ def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[st
                 f"{where}{unexpected[bus]} of {count} replies answer no request in the log: {', '.join(causes[:-1])} or "
                 f"{causes[-1]}{advice}"
             )
-        elif behaviour.old_bits and not behaviour.is_marked:
+        elif behaviour.old_bits and (behaviour.unmarked or not behaviour.is_marked):
             names = sorted({bits.request.command for bits in behaviour.old_bits})
             shown = ", ".join(names[:_SHOWN]) + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")
             varies = any(bits.value is None for bits in behaviour.old_bits)

@@ -172,16 +172,21 @@ class DirectionRule:
             within = frame_class.command.reply_within_ms
             self._own_time = None if within is None else int(within * 1_000_000)
             old = behaviour.old_bits_of(self.request.message)
-            if old is not None:
-                self.has_old_bits = old.value is None
-                mask = 0 if old.value is None else self.request.reserved.mask
-                self.request = replace(self.request, reserved=MaskedBits(mask, (old.value or 0) & mask))
+            self.has_old_bits = old is not None and old.value is None
+            value = self.request.reserved.value if old is None else old.value or 0
+            mask = 0 if self.has_old_bits else self.request.reserved.mask & self._of_replies
+            self.request = replace(self.request, reserved=MaskedBits(mask, value & mask))
         self.bus_window = bus_window(frame_class.edition, behaviour, window)
         self.window = max(self.bus_window, self._own_time or 0)
 
     @cached_property
     def _forms(self) -> Sequence[MessageForm]:
         return [*self.frame_class.replies, *([self.request] if self.request else [])]
+
+    @property
+    def _of_replies(self) -> int:
+        """The bits that a reply can set; those that it reserves too do not show that a frame is one."""
+        return functools.reduce(operator.or_, (~reply.reserved.mask for reply in self.frame_class.replies), 0)
 
     @cached_property
     def _is_shared(self) -> bool:
@@ -194,7 +199,7 @@ class DirectionRule:
         """Whether a reply can have data that the request does not allow."""
         if self.request is None or self.request.limits:
             return True
-        return any(self.request.reserved.mask & ~reply.reserved.mask for reply in self.frame_class.replies)
+        return bool(self.request.reserved.mask)
 
     def content(self, data: Any) -> Any:
         """What data can be, in the bits IS_REQUEST, IS_REPLY and IS_REGULAR; data is one integer, or an array."""

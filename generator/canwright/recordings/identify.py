@@ -26,7 +26,7 @@ from .changes import BLOCK, NodeFrames
 from .log_frame import LogFrame, Mark
 from .results import Identification, NodeResult
 from .scoring import Observation, ScoredClass, ScoredClasses
-from .steps import State, Step, Waiting, meaning
+from .steps import Repetition, State, Step, Waiting, meaning
 
 MAX_KNOWN = 1 << 16
 """The maximum number of ids, and of steps between two states, that are remembered."""
@@ -61,15 +61,15 @@ class _IdState:
 class Identifier:
     """Identifies the editions of the nodes of a log, frame by frame. Memory does not grow with the log.
 
-    `recorder` is the direction of the frames that the log marks as sent; on a bus with such frames, all others have the
-    other direction.
+    `recorder` is the direction of the frames that the log marks as sent; received ones have the other direction. Marks count
+    on a bus that has both kinds of one node, but not of a node to which nothing is sent: another host asks it.
     """
 
     def __init__(self, editions: Sequence[Edition], recorder: Direction = Direction.REQUEST) -> None:
         opposite = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
         self.editions = editions
         self.marked: set[str] = set()
-        """The buses with frames that are marked as sent."""
+        """The buses with sent and received frames of one node."""
         self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: opposite}
         self._kinds = ScoredClasses(editions)
         self._lines: dict[tuple[int, bool, bool, int], _IdState] = {}
@@ -103,9 +103,10 @@ class Identifier:
         node_number, kind = places.get(bits) or self._place(line.rule, places, bits, frame)
         node = self._nodes.get((bus, node_number)) or self._frames_of(bus, node_number)
         observation = kind.observation(id_, content)
-        direction = self._direction(bus, mark) if mark is not None else None
-        known = observation if direction is None else (observation, direction)
-        step = node.state.steps.get(known) or self._step(node, observation, direction)
+        direction = self._direction(node, mark) if mark is not None else None
+        repetition = node.repetition(recorded, kind)
+        known = observation if direction is None and repetition is None else (observation, direction, repetition)
+        step = node.state.steps.get(known) or self._step(node, observation, direction, repetition)
         node.state = step.then
         node.recent.append((step, number, recorded))
         if len(node.recent) >= BLOCK:
@@ -138,11 +139,15 @@ class Identifier:
             for tally, open_ in zip(node.tallies, waiting, strict=True)
         ]
 
-    def _direction(self, bus: str, mark: Mark) -> Direction | None:
-        """The direction that a mark of a family's frame states; None if the bus has no frame so far that is marked as sent."""
-        if mark is Mark.SENT:
-            self.marked.add(bus)
-        return self._of_mark[mark] if bus in self.marked else None
+    def _direction(self, node: NodeFrames, mark: Mark) -> Direction | None:
+        """The direction that a mark of a frame of a node states; None if it does not count so far."""
+        if mark not in node.marks:
+            node.marks.add(mark)
+            if len(node.marks) == len(Mark):
+                self.marked.add(node.bus)
+        to_all = self._nodes.get((node.bus, None), node)
+        is_asked = Mark.SENT in node.marks or Mark.SENT in to_all.marks
+        return self._of_mark[mark] if is_asked and node.bus in self.marked else None
 
     def _line(self, frame: CanFrame) -> _IdState:
         """The frames with the id and length of a frame, remembered."""
@@ -180,21 +185,24 @@ class Identifier:
     def _state(self, waiting: tuple[Waiting, ...]) -> State:
         return self._states.setdefault(waiting, State(waiting))
 
-    def _step(self, node: NodeFrames, observation: Observation, direction: Direction | None) -> Step:
+    def _step(
+        self, node: NodeFrames, observation: Observation, direction: Direction | None, repetition: Repetition | None
+    ) -> Step:
         """The step from the state of a node, remembered."""
         if self._steps >= MAX_KNOWN:
             self._states.clear()
             self._steps = 0
         state = self._state(node.state.waiting)
         meanings = [
-            meaning(edition, waiting, interpretations, direction, has_number=node.number is not None)
+            meaning(edition, waiting, interpretations, direction, repetition, has_number=node.number is not None)
             for edition, waiting, interpretations in zip(
                 self.editions, state.waiting, observation.by_edition, strict=True
             )
         ]
         then = self._state(tuple(each.waiting for each in meanings))
         step = Step(observation.kind, meanings, then)
-        state.steps[observation if direction is None else (observation, direction)] = step
+        known = observation if direction is None and repetition is None else (observation, direction, repetition)
+        state.steps[known] = step
         self._steps += 1
         return step
 

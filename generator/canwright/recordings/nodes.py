@@ -51,7 +51,8 @@ EDITION = "edition"
 class Choice(NamedTuple):
     """The edition of a node from a frame on, None if none fits, and the others that fit equally well.
 
-    The frames of the commands `differing` have another meaning in some of them. It is assumed if most requests to the node have no reply: then it is an edition of other nodes of the bus.
+    The frames of the commands `differing` have another meaning in some of them. It is assumed if most requests to the node have no reply: then it is an edition of other nodes of the bus that
+    explains the frames no worse than any.
     """
 
     start: Place
@@ -143,13 +144,16 @@ class Nodes:
         return bool(choices) and all(choice.is_stray for choice in choices)
 
     def is_complete(self, commands: Mapping[Key, Collection[str]]) -> bool:
-        """Whether the edition of every node, apart from stray ones, is known and does not change.
+        """Whether the edition of every node, apart from stray ones, is known, not only assumed, and does not change.
 
         Several editions may fit a node if the frames of its `commands` have the same meaning in all of them.
         """
         listed = {key: choices for key, choices in self.identified.items() if not self.is_stray(*key)}
         is_known = all(
-            len(own) == 1 and own[0].edition and own[0].differing.isdisjoint(commands.get(key, ()))
+            len(own) == 1
+            and own[0].edition
+            and not own[0].is_assumed
+            and own[0].differing.isdisjoint(commands.get(key, ()))
             for key, own in listed.items()
         )
         return is_known and not self.misread
@@ -356,6 +360,8 @@ def _choice(result: NodeResult, certain: _Certain) -> Choice:
         edition = next((candidate for candidate in certain.editions if candidate in fitting), fitting[0])
         rest = tuple(candidate for candidate in fitting if candidate is not edition)
         return Choice(start, edition, rest, result.differing if rest else frozenset(), is_stray=result.is_stray)
-    explained = [s.edition for s in result.scores if s.is_explained(result.judged)] if result.is_judged else []
-    assumed = next((candidate for candidate in of_bus if candidate in explained), None)
+    explained = [s for s in result.scores if s.is_explained(result.judged)] if result.is_judged else []
+    least = min((score.score for score in explained), default=0)
+    best = [score.edition for score in explained if score.score == least]
+    assumed = next((candidate for candidate in of_bus if candidate in best), None)
     return Choice(start, assumed, is_assumed=assumed is not None, is_stray=result.is_stray)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..model.message import Command, Direction, Message
+from ..semantics.exchange import repeats_request
 from ..semantics.frame import CanFrame
 from .bus_behaviour import COPIED_WITHIN, Behaviour, OldBits
 from .frame_classes import form_of
@@ -58,7 +59,8 @@ class _Copies:
     pairs: Counter[Direction] = field(default_factory=Counter)
     _open: dict[int | None, _Run] = field(default_factory=dict)
 
-    def add(self, judged: DirectedFrame, time: int, command: Command) -> None:
+    def add(self, judged: DirectedFrame, time: int, command: Command | None) -> None:
+        """Counts the next frame; a rejected one has no command: it can be the copy of a request that is marked as received."""
         run = self._open.pop(judged.node, None)
         frame = judged.recorded.frame
         if run is not None and run.frame == frame and 0 <= time - run.time <= COPIED_WITHIN:
@@ -67,7 +69,7 @@ class _Copies:
         if run is not None and run.direction is not None:
             self.runs[run.direction] += 1
             self.pairs[run.direction] += run.length % 2 == 0
-        if not command.is_echoed:
+        if command is not None and not repeats_request(command):
             self._open[judged.node] = _Run(frame, judged.direction, time, 1)
 
     def directions(self) -> frozenset[Direction]:
@@ -180,9 +182,14 @@ class Observed:
     def add(self, judged: DirectedFrame) -> None:
         """Counts the next frame."""
         assert judged.edition is not None
-        if judged.message is None or judged.decided_by == "copy":
+        if judged.decided_by == "copy":
             return
-        time, command = judged.recorded.time, judged.edition.command(judged.message.command)
+        time = judged.recorded.time
+        command = None if judged.message is None else judged.edition.command(judged.message.command)
+        if time is not None:
+            self._copies.add(judged, time, command)
+        if command is None:
+            return
         if judged.direction is Direction.REQUEST:
             self.requests += command.reply is not None and not command.is_echoed
         else:
@@ -192,7 +199,6 @@ class Observed:
         if time is None:
             return
         self._times = math.gcd(self._times, time)
-        self._copies.add(judged, time, command)
         if judged.direction is not Direction.REPLY:
             return
         is_certain = judged.decided_by in ("content", "id", "mark") and not (

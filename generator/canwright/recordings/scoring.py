@@ -6,9 +6,10 @@ frames have a few hundred of them.
 
 from __future__ import annotations
 
+import functools
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
-from operator import getitem
 
 from ..model import formatting
 from ..model.edition import Edition
@@ -60,14 +61,25 @@ class ScoredClass:
     def __init__(self, forms: Sequence[Sequence[ScoredForm]], nothing: Sequence[Reason], length: int) -> None:
         self._forms = forms
         self._nothing = nothing
-        probes = Probes((form.checks for form in dict.fromkeys(form for own in forms for form in own)), length)
+        distinct = [*dict.fromkeys(form for own in forms for form in own)]
+        used = functools.reduce(operator.or_, (form.used for form in distinct), 0)
+        self._free = used and ~used & (1 << 8 * length) - 1
+        """The bits that are reserved in every message."""
+        probes = Probes((form.checks for form in distinct), length)
         self._unpack, self._results, self._others = probes.unpack, probes.results, probes.others
         self._known: dict[tuple[object, ...], Observation] = {}
         self._observations: dict[tuple[object, ...], Observation] = {}
 
+    def is_same(self, frame: CanFrame, before: CanFrame) -> bool:
+        """Whether a frame and one before it differ at most in bits that are reserved in every message."""
+        if frame == before or not self._free or len(frame.data) != len(before.data):
+            return frame == before
+        changed = int.from_bytes(frame.data, "little") ^ int.from_bytes(before.data, "little")
+        return not changed & ~self._free and frame._replace(data=b"") == before._replace(data=b"")
+
     def observation(self, id_: int, data: bytes) -> Observation:
         """The observation of a frame with this id and data."""
-        results: tuple[object, ...] = tuple(map(getitem, self._results, self._unpack(data)))
+        results: tuple[object, ...] = tuple(map(operator.getitem, self._results, self._unpack(data)))
         if self._others:
             results += tuple([probe.result_of(id_, data) for probe in self._others])
         return self._known.get(results) or self._new(results, id_, data)
@@ -188,6 +200,7 @@ class ScoredForm:
         self._message = message
         keys = data_bits((key.space, key.segments) for key in message.keys)
         fields = data_bits((f.space, e.segments) for f in variant.fields for e in f.elements)
+        self.used = keys | fields
         is_request = message.direction is Direction.REQUEST
         self._is_of_host = is_request or edition.command(message.command).is_echoed
         where = f"{message.direction.value} of {message.command}" + (reply_rule(edition, message) if is_request else "")

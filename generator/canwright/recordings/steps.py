@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from enum import Enum
 from functools import cached_property
 from typing import NamedTuple
 
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Direction
+from ..semantics.exchange import repeats_request
 from ..semantics.plan import message_plan
 from .checks import STRONG, Reason
 from .scoring import Interpretation, Observation, ScoredClass, reply_rule
 
 MAX_OPEN = 4
 """The maximum number of requests of a node that wait for their replies."""
+
+
+class Repetition(Enum):
+    """The place of a frame among equal ones of a node, one soon after the other."""
+
+    SECOND = "second"
+    """A copy of a request, or a reply with its bytes."""
+    THIRD = "third"
+    """A reply with the bytes of a request and of its copy, or the request again."""
 
 
 class Open(NamedTuple):
@@ -29,14 +40,18 @@ Waiting = tuple[Open, ...]
 """The requests of a node that wait for their replies, the oldest first."""
 
 
+Arrived = Observation | tuple[Observation, Direction | None, Repetition | None]
+"""A frame, with its direction if it is known, and its place among equal frames."""
+
+
 class State:
-    """The requests that wait, by edition, and the next steps by observation, and by direction if it is known."""
+    """The requests that wait, by edition, and the next steps by what arrives."""
 
     __slots__ = ("steps", "waiting")
 
     def __init__(self, waiting: tuple[Waiting, ...]) -> None:
         self.waiting = waiting
-        self.steps: dict[Observation | tuple[Observation, Direction], Step] = {}
+        self.steps: dict[Arrived, Step] = {}
 
 
 class Meaning(NamedTuple):
@@ -93,6 +108,7 @@ def meaning(
     waiting: Waiting,
     interpretations: Sequence[Interpretation],
     direction: Direction | None,
+    repetition: Repetition | None,
     *,
     has_number: bool,
 ) -> Meaning:
@@ -100,6 +116,9 @@ def meaning(
 
     After a request, what is not the same request again is its reply.
     """
+    repeated = repetition and _repeated(edition, waiting, interpretations, direction, repetition)
+    if repeated:
+        return repeated
     if direction is not None:
         interpretations = _of_direction(interpretations, direction)
     request = min((each for each in interpretations if each.is_request), key=_points, default=None)
@@ -110,7 +129,9 @@ def meaning(
         for open_ in waiting
         if any(reply.message is each.message for reply in edition.command(open_.command).replies)
     ]
-    is_regular = request is not None and not request.reasons
+    is_regular = request is not None and (
+        not request.reasons or (bool(answers) and all(_reserves_too(request, reply) for reply, _ in answers))
+    )
     if answers and (not is_regular or _is_like_a_reply(edition, request)):
         reply, answered = min(answers, key=lambda item: item[0].points)
         remaining = tuple(open_ for open_ in waiting if open_ is not answered)
@@ -141,6 +162,30 @@ def meaning(
     return Meaning(best, (*kept[1 - MAX_OPEN :], opened), opened, unanswered)
 
 
+def _repeated(
+    edition: Edition,
+    waiting: Waiting,
+    interpretations: Sequence[Interpretation],
+    direction: Direction | None,
+    repetition: Repetition,
+) -> Meaning | None:
+    """What a frame with the bytes of an open request is: its reply, or a copy of it; None if neither.
+
+    It may be the copy of a request whose reply has the same bytes, so that the request waits further.
+    """
+    request = min((each for each in interpretations if each.is_request), key=_points, default=None)
+    open_ = next((o for o in waiting if request and request.message and o.command == request.message.command), None)
+    if request is None or open_ is None:
+        return None
+    replies = edition.command(open_.command).replies
+    equal = [i for i in interpretations if not i.points and any(reply.message is i.message for reply in replies)]
+    is_likely = direction is Direction.REPLY or (direction is None and repeats_request(edition.command(open_.command)))
+    if equal and is_likely:
+        kept = () if open_.is_answered else (open_._replace(is_answered=True),)
+        return Meaning(equal[0], (*(each for each in waiting if each is not open_), *kept))
+    return Meaning(request, waiting) if repetition is Repetition.SECOND else None
+
+
 def _points(interpretation: Interpretation) -> int:
     return interpretation.points
 
@@ -162,6 +207,12 @@ def _of_direction(interpretations: Sequence[Interpretation], direction: Directio
     first = interpretations[0]
     text = f"{first.kind} is marked as a {direction.value}"
     return [Interpretation(first.kind, None, (Reason(STRONG, text),))]
+
+
+def _reserves_too(request: Interpretation, reply: Interpretation) -> bool:
+    """Whether all that speaks against a request are bits that the reply reserves too, so that they decide nothing."""
+    of_reply = [reason.byte for reason in reply.reasons]
+    return all(reason.byte is not None and reason.byte in of_reply for reason in request.reasons)
 
 
 def _is_like_a_reply(edition: Edition, request: Interpretation | None) -> bool:

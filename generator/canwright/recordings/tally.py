@@ -165,9 +165,10 @@ class Tally:
             score = sum(own.points[kind] for kind in often) + min(sum(own.weak[kind] for kind in often), LEAD - 1)
             explained = own.explained.total()
             scores.append(EditionScore(edition, explained, score, own.evidence(rare), *own.requests(open_)))
-        possible = [candidate for candidate in scores if judged > JUDGED * frames and candidate.is_possible(judged)]
+        complete = [each for each in scores if judged > JUDGED * frames and each.is_explained(judged)]
+        possible = [candidate for candidate in complete if candidate.is_possible(judged)]
         scores.sort(key=lambda candidate: (candidate not in possible, candidate.score, -candidate.explained))
-        limit = min((candidate.score for candidate in possible), default=0) + LEAD * max(1, math.sqrt(noise))
+        limit = min((candidate.score for candidate in complete), default=0) + LEAD * max(1, math.sqrt(noise))
         fitting = tuple(candidate.edition for candidate in scores if candidate in possible and candidate.score < limit)
         seen = {name for own in self._by_edition for name, count in own.names.items() if count}
         differing = _differing(fitting)

@@ -16,6 +16,16 @@ from .frame import CanFrame, difference, node_in_id, read_bits
 from .plan import message_plan
 
 
+@lru_cache(maxsize=4096)
+def repeats_request(command: Command) -> bool:
+    """Whether a reply has the bytes of its request: it is an echo, or has no other bits than those that the request sets."""
+    request = command.request
+    if command.is_echoed or request is None or not request.layout.fields:
+        return command.is_echoed
+    reserved = message_plan(request).reserved.mask
+    return any(not reserved & ~message_plan(reply.message).reserved.mask for reply in command.replies)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ExchangePlan:
     """The checks of a frame after a request for one of the replies to it, in this order; each rejects it (not_answer).
