@@ -6,6 +6,7 @@ import os
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -208,9 +209,23 @@ def test_files_that_contributing_names_exist() -> None:
 def test_commands_on_a_bus_are_answered() -> None:
     """By the nodes of the other process; the port is one that no other test uses."""
     port = free_port()
-    simulate, *asking = example("bus").splitlines()
+    simulate, *asking, monitor = example("bus").splitlines()
     with simulated(*shlex.split(simulate)[2:], *port) as ended:
         scan, *requests = (run(f"{command} {shlex.join(port)}", ROOT) for command in asking)
         assert ": fits v2.36-2025-03\n" in scan
         assert all(printed_reply.startswith("reply of ") for printed_reply in requests)
+        _monitor([*shlex.split(monitor)[1:], *port], f"{asking[1]} {shlex.join(port)}")
     assert ended.status == 130
+
+
+def _monitor(arguments: list[str], request: str) -> None:
+    """Reads the lines that the monitor prints without a terminal, until it shows the values of a request."""
+    command = [sys.executable, "-m", "canwright", *arguments]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout
+        assert process.stdout.readline().startswith("# ")
+        run(request, ROOT)
+        assert any("read_status_1" in line and " V," in line for line in process.stdout)
+        process.send_signal(signal.SIGINT)
+        process.communicate()
+    assert process.returncode == 130

@@ -152,10 +152,11 @@ class Codec {
     if (!route) {
       const unknown = router.routes.find(({ rule }) => rule.isOfKind(frame) && rule.offset(parameters) === undefined);
       if (unknown) {
-        throw rejection("missing_parameter", `${hex(frame.id)} may be an id with the parameter ${unknown.rule.parameter}, which is not given`);
+        throw rejection("missing_parameter", `${hex(frame.id)} may be an id with the parameter ${unknown.rule.parameter}, which is not given`, []);
       }
       const kind = (frame.extended ? "29-bit " : "") + (frame.remote ? "remote " : "");
-      throw rejection("unknown_id", `no ${router.direction} has the ${kind}id ${hex(frame.id)}`);
+      const digits = frame.id.toString(16).toUpperCase().padStart(frame.extended ? 8 : 3, "0");
+      throw rejection("unknown_id", `no ${router.direction} has the ${kind}id ${hex(frame.id)}`, [`0x${digits}${frame.remote ? " RTR" : ""}`]);
     }
     let step = route.plan;
     while (step instanceof Select) {
@@ -177,7 +178,7 @@ class Codec {
     const [message, known] = [this.message(direction, command), this.known(parameters)];
     const wrong = message.difference(frame, known);
     if (wrong) {
-      throw rejection(wrong.refusal, wrong.text);
+      throw rejection(wrong.refusal, wrong.text, []);
     }
     return this.fields(message, frame, known);
   }
@@ -353,7 +354,7 @@ function reasonAgainst({ reply, nodes: repliers, asked, reported, echo }, messag
 }
 
 function notAnswer(text) {
-  return rejection("not_answer", text);
+  return rejection("not_answer", text, []);
 }
 
 /** A copy of a frame with all its parts. Throws TypeError if it is none. */
@@ -507,15 +508,18 @@ class Reject {
     for (let step = plan; step instanceof Select; step = step.next(step.read(frame))) {
       path.push([step, step.read(frame)]);
     }
-    let text = `${hex(frame.id)} has bits that are 0 in the ids of this message`;
     if (this.reason === "wrong_length") {
       const [select] = path.findLast(([select]) => select.isLength);
-      text = `${hex(frame.id)} has ${frame.data.length} data bytes, not ${[...select.cases.keys()].join(" or ")}`;
-    } else if (this.reason === "unknown_code") {
-      const codes = path.filter(([select]) => select.bits).map(([, value]) => hex(value));
-      text = `no ${direction} on ${hex(frame.id)} has the code ${codes.join(" and ")}`;
+      const lengths = [...select.cases.keys()];
+      const text = `${hex(frame.id)} has ${frame.data.length} data bytes, not ${lengths.join(" or ")}`;
+      return rejection(this.reason, text, [hex(frame.id), frame.data.length, lengths]);
     }
-    return rejection(this.reason, text);
+    if (this.reason === "unknown_code") {
+      const codes = path.filter(([select]) => select.bits).map(([, value]) => hex(value));
+      const text = `no ${direction} on ${hex(frame.id)} has the code ${codes.join(" and ")}`;
+      return rejection(this.reason, text, [hex(frame.id), codes]);
+    }
+    return rejection(this.reason, `${hex(frame.id)} has bits that are 0 in the ids of this message`, [hex(frame.id)]);
   }
 }
 
@@ -767,7 +771,7 @@ function checkConstants(constants, frame) {
 /** Throws CodecError if a frame has another raw integer in a constant. */
 function checkConstant(field, raw, frame) {
   if (field.read(frame) !== raw) {
-    throw rejection("wrong_constant", `the constant ${field.name} is not ${raw}`, field.name);
+    throw rejection("wrong_constant", `the constant ${field.name} is not ${raw}`, [field.name, raw], field.name);
   }
 }
 
@@ -806,7 +810,7 @@ class Checksum {
     const { name } = this.field;
     const [found, computed] = [this.field.read(frame), this.of(frame)];
     if (found !== computed) {
-      throw rejection("wrong_checksum", `${name} is ${hex(found)}, but the checksum of this frame is ${hex(computed)}`, name);
+      throw rejection("wrong_checksum", `${name} is ${hex(found)}, but the checksum of this frame is ${hex(computed)}`, [name, hex(found), hex(computed)], name);
     }
   }
 

@@ -216,7 +216,7 @@ def test_a_closed_pipe_is_no_error(folder: Path) -> None:
 
 def test_the_list_of_commands_is_complete() -> None:
     _, _, commands = run("--help").output.partition("Commands:\n")
-    assert len(commands.splitlines()) == 19
+    assert len(commands.splitlines()) == 20
     assert "..." not in commands
 
 

@@ -3,50 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import ModuleType
-from typing import Any
 
 import can
 import pytest
 from canwright.cli import main
-from canwright.conformance import modules
 from click.testing import CliRunner, Result
 
 from ..spec_texts import ROOT, SPECS
-from .live import NEW, OLD, free_port, simulated
+from .live import MG, NEW, OLD, answering, free_port, simulated
 
-NAMES = ("v2_36_2025_03", "v2_35", "nodes", "simulation")
-MG = ("--set", "series=MG", "--set", "encoder_bits=14")
 SLOW = ("--timeout", "5")
 """For a machine that is busy with other tests."""
-
-
-@pytest.fixture(scope="module")
-def package() -> dict[str, ModuleType]:
-    """The committed package."""
-    return dict(
-        zip(NAMES, modules.load(ROOT / "generated/python", *(f"mwd_motor.{name}" for name in NAMES)), strict=True)
-    )
-
-
-@contextmanager
-def answering(package: dict[str, ModuleType], edition: str, channel: str, **options: Any) -> Iterator[Any]:
-    """The simulated nodes 1 and 2 of the package on a virtual bus."""
-    module = package[edition]
-    known = module.Parameters(series=module.Series.MG, encoder_bits=14)
-    nodes = [package["nodes"].Node(module, number, known) for number in (1, 2)]
-    with can.Bus(channel, interface="virtual") as bus, package["simulation"].Simulation(bus, nodes, **options) as ours:
-        yield ours
 
 
 def run(channel: str, *arguments: str) -> Result:
     return CliRunner().invoke(main, ["request", *arguments, "-i", "virtual", "-c", channel])
 
 
-def test_the_reply_is_printed_in_units(package: dict[str, ModuleType]) -> None:
-    with answering(package, "v2_36_2025_03", "units", voltage=48.72, temperature=-3):
+def test_the_reply_is_printed_in_units() -> None:
+    with answering("v2_36_2025_03", "units", voltage=48.72, temperature=-3):
         result = run("units", "read_status_1", "--node", "1", "--edition", NEW, *MG, *SLOW)
         both = run("units", "read_status_1", "--node", "1..2", "--edition", NEW, *MG, *SLOW)
     assert (result.exit_code, result.stderr) == (0, "")
@@ -62,9 +37,9 @@ def test_the_reply_is_printed_in_units(package: dict[str, ModuleType]) -> None:
     assert both.stdout == result.stdout + result.stdout.replace("node 1", "node 2")
 
 
-def test_what_has_an_effect_needs_consent(package: dict[str, ModuleType]) -> None:
+def test_what_has_an_effect_needs_consent() -> None:
     """The sentence of the client, with what to write here; the node does not get the request."""
-    with answering(package, "v2_36_2025_03", "consent") as simulation:
+    with answering("v2_36_2025_03", "consent") as simulation:
         move = ("write_control_parameter_ram_max_speed", "max_speed=500", "--node", "1", "--edition", NEW, *MG, *SLOW)
         torque = ("set_torque", "iq=2.5", "--node", "1", "--edition", NEW, *MG, *SLOW)
         wear = ("write_position_as_zero_rom", "--node", "2", "--edition", NEW, *MG, *SLOW)
@@ -84,10 +59,10 @@ def test_what_has_an_effect_needs_consent(package: dict[str, ModuleType]) -> Non
 
 
 @pytest.mark.parametrize(("edition", "module"), [(OLD, "v2_35"), (NEW, "v2_36_2025_03")])
-def test_the_quick_start_moves_a_node_and_stops_it(package: dict[str, ModuleType], edition: str, module: str) -> None:
+def test_the_quick_start_moves_a_node_and_stops_it(edition: str, module: str) -> None:
     page = (ROOT / "generated/docs/en/quickstart.md").read_text("utf-8").partition(f"mwd_motor {edition}\n")[2]
     lines = re.findall(rf"canwright request (.*) --edition {edition} -i socketcan -c can0", page)
-    with answering(package, module, f"quick {edition}") as simulation:
+    with answering(module, f"quick {edition}") as simulation:
         results = [
             run(f"quick {edition}", *line.replace("=MS", "=MG").split(), "--edition", edition, *SLOW) for line in lines
         ]
@@ -98,8 +73,8 @@ def test_the_quick_start_moves_a_node_and_stops_it(package: dict[str, ModuleType
     ]
 
 
-def test_a_broadcast_gathers_the_replies_of_the_nodes(package: dict[str, ModuleType]) -> None:
-    with answering(package, "v2_35", "broadcast"):
+def test_a_broadcast_gathers_the_replies_of_the_nodes() -> None:
+    with answering("v2_35", "broadcast"):
         torque = ("broadcast_torque", "iq=1,2,0,0", "--edition", OLD, *MG, "--allow", "motion")
         result = run("broadcast", *torque, "--node", "1..2", *SLOW)
         assert (result.exit_code, result.stdout.count(" from node ")) == (0, 2), result.output
@@ -107,16 +82,16 @@ def test_a_broadcast_gathers_the_replies_of_the_nodes(package: dict[str, ModuleT
         assert (lacking.exit_code, "was not sent, because a node does not answer" in lacking.stderr) == (1, True)
 
 
-def test_a_silent_node_is_named_and_the_others_answer(package: dict[str, ModuleType]) -> None:
-    with answering(package, "v2_35", "silent"):
+def test_a_silent_node_is_named_and_the_others_answer() -> None:
+    with answering("v2_35", "silent"):
         result = run("silent", "read_status_1", "--node", "2..3", "--edition", OLD, *MG, "--timeout", "0.5")
     assert (result.exit_code, result.stdout.partition("\n")[0]) == (1, "reply of read_status_1 from node 2")
     assert "node=3" in result.stderr and "node=2" not in result.stderr
     assert len(result.stderr.splitlines()) == 1
 
 
-def test_the_round_trip_is_measured_with_reads_only(package: dict[str, ModuleType]) -> None:
-    with answering(package, "v2_36_2025_03", "measured", delay=0.01) as simulation:
+def test_the_round_trip_is_measured_with_reads_only() -> None:
+    with answering("v2_36_2025_03", "measured", delay=0.01) as simulation:
         result = run("measured", "read_status_1", "--node", "1", "--edition", NEW, *MG, "--measure", "20", *SLOW)
         assert simulation.received == 21
         first, trip, advice = result.stdout.splitlines()

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from canwright.compare import CHANGES, REASONS, Category, Change, compare
+from canwright.compare import CHANGES, Category, Change, compare
+from canwright.compare.witnesses.witness import REASONS
 from canwright.project.loader import specification
 
 from ..spec_texts import MINIMAL, ROOT, edition

@@ -413,6 +413,17 @@ def test_a_procedure_that_only_reads_decides_on_the_edition(language: str) -> No
     """A reply to 0x9A decides between three; only one of the others has 0x40. Written from the manuals."""
     page = (ROOT / f"generated/docs/{language}/which-edition.md").read_text("utf-8").partition("## ")[0]
     assert re.findall(r"`([0-9A-F]{3}#[0-9A-F]{16})` ?[(（]", page) == ["141#9A00000000000000", "141#40050A0000000000"]
+    decisions = re.findall(r"\| `(0x\w+) \+ node` \| (?:`(DATA\[\d\])` ([^|]+))? ?\| (\[v.*) \|", page)
+    zero, nonzero = {"en": ("is 0 ", "is not 0 "), "zh": ("为 0 ", "不为 0 ")}[language]
+    assert [(*row[:3], re.findall(r"\[(.*?)\]", row[3])) for row in decisions] == [
+        ("0x140", "DATA[2]", zero, ["v2.35"]),
+        ("0x140", "DATA[2]", nonzero, ["v2.35-2024-02"]),
+        ("0x180", "", "", ["v2.36-2024-11", "v2.36-2025-03"]),
+    ]
+    assert {"en": "The id of the reply and `DATA[2]` decide:", "zh": "由回复的标识符和`DATA[2]`即可判断："}[
+        language
+    ] in page
+    assert page.count("`0x241..0x260`") == 1
     rows = [line for line in page.splitlines() if line.strip().startswith("| [v2")]
     assert [re.findall(r"`voltage` `([^`]+)`", row)[0] for row in rows] == [
         "DATA[3..4] × 0.1 V",

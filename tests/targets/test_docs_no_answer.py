@@ -32,7 +32,7 @@ def test_every_cause_has_commands_whose_options_exist(language: str) -> None:
     assert re.findall(r'<a id="no-answer\.(\w+)">', page) == CAUSES
     assert page.count("```sh\n") == len(CAUSES)
     ours = [shlex.split(line)[1:] for line in commands(language) if line.startswith("canwright ")]
-    assert {name for name, *_ in ours} == {"scan", "show", "decode", "identify", "encode", "request"}
+    assert {name for name, *_ in ours} == {"scan", "show", "decode", "identify", "encode", "request", "monitor"}
     for name, *arguments in ours:
         command = main.get_command(Context(main), name)
         assert command

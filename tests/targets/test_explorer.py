@@ -319,6 +319,12 @@ PASTED = {
     "{0xA1, 0x00, 0x00, 0x00, 0x64}": "-#A100000064",
     "uint8_t data[5] = {0xA1, 0, 0, 0, 100};": "-#A100000064",
     "{A1, 00, 10}": "-#A10010",
+    "A1h 00h 10h": "-#A10010",
+    "141h A1 00 10": "141#A10010",
+    "A1-00-10-00": "-#A1001000",
+    "\\xA1\\x00\\x10": "-#A10010",
+    "b'\\xa1\\x00\\x10'": "-#A10010",
+    "标准帧 ID 0x141 长度 3 数据 A1 00 10": "141#A10010",
     "{.id = 0x141, .data = {0xA1, 0x00}}": "141#A100",
     "0x141: [0xA1, 0, 0x10]": "141#A10010",
     "send(0x141, {0xA1, 0x00});": "141#A100",
@@ -432,6 +438,9 @@ def test_both_languages_have_the_same_labels() -> None:
     assert list(labels) == ["en", "zh"] and list(labels["en"]) == list(labels["zh"])
     sources = ROOT / "generator/canwright/targets/javascript/explorer/explorer.js"
     page = (TEMPLATES / "javascript/explorer.html.j2").read_text("utf-8")
+    codec = (ROOT / "generator/canwright/targets/javascript/runtime/canwright-codec.js").read_text("utf-8")
+    rejections = {*re.findall(r'\brejection\("(\w+)"|this\.reason === "(\w+)"', codec)}
+    assert {name for names in rejections for name in names} - {"", "not_answer"} <= set(labels["en"])
     used = set(re.findall(r'\bsay\("(\w+)"', sources.read_text("utf-8"))) | set(re.findall(r'data-label="(\w+)"', page))
     assert used <= set(labels["en"]) and "innerHTML" not in sources.read_text("utf-8")
 

@@ -89,11 +89,11 @@ REPLAY = """
   const raw = Object.entries(found.decoded.raw).map(([name, one]) => [name, [one].flat().map(String)]);
   let written = "";
   try {
-    const { node, fields } = found.decoded;
+    const { node, code, fields } = found.decoded;
     const isCoarse = ({ raw }) => [raw].flat().some((one) => one >= 2 ** 50 || one <= -(2 ** 50));
     const values = Object.fromEntries(fields.map(({ name, value }) => [name, value]));
     const content = fields.some((one) => one.reason || isCoarse(one)) ? { raw: found.decoded.raw } : { values };
-    written = canwright.frames.format(encode(command, { node: node ?? undefined, ...content, parameters: found.assumed[0] }).frame);
+    written = canwright.frames.format(encode(command, { node: node ?? undefined, code: code ?? undefined, ...content, parameters: found.assumed[0] }).frame);
   } catch (error) {
     written = error.refusal;
   }
@@ -147,6 +147,29 @@ def test_frames_are_typed_and_values_entered(page_of_motors: Path, opened: Open)
     assert "no CAN frame" in page.locator("#problem").inner_text()
     box.fill("7FF#00")
     assert "No message has this id" in page.locator("#problem").inner_text()
+
+
+REASONS = {
+    "en": {
+        "141#A132": ["request: 0x141 has 2 data bytes, not 8 (", "reply: no reply has the id 0x141 ("],
+        "00000141#A1": ["request: no request has the id 0x00000141 (", "reply: no reply has the id 0x00000141 ("],
+        "141#EE00000000000000": ["request: no request on 0x141 has the code 0xEE ("],
+    },
+    "zh": {
+        "141#A132": ["请求：0x141 有 2 个数据字节，应为 8 个（", "回复：没有标识符为 0x141 的回复（"],
+        "00000141#A1": ["请求：没有标识符为 0x00000141 的请求（", "回复：没有标识符为 0x00000141 的回复（"],
+        "141#EE00000000000000": ["请求：0x141 上没有命令码为 0xEE 的请求（"],
+    },
+}
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_reasons_are_in_the_language_of_the_page(page_of_motors: Path, opened: Open, language: str) -> None:
+    page = opened(page_of_motors, f"#lang={language}")
+    for frame, reasons in REASONS[language].items():
+        page.locator("#frame").fill(frame)
+        for reason in reasons:
+            assert reason in page.locator("#problem").inner_text()
 
 
 def test_no_series_is_assumed(page_of_motors: Path, opened: Open) -> None:

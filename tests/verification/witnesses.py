@@ -11,8 +11,9 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from canwright.compare import Change, Witness
+from canwright.compare import Change
 from canwright.compare.change import SentenceArgument, with_facts
+from canwright.compare.witnesses.witness import Witness
 from canwright.model.edition import Edition
 from canwright.model.layout import ReservedRole, Space
 from canwright.model.message import Direction, Message

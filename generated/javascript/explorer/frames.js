@@ -13,11 +13,12 @@ canwright.frames = (() => {
 
   // Notations that people paste
   const WIDE = /[\uff01-\uff5e]/g; // full-width characters
+  const MARKED = /\\x(?=[0-9A-F]{2})|(?<=\b[0-9A-F]{2,8})h\b|(?<=\b[0-9A-F]{2})-(?=[0-9A-F]{2}\b)|\bb(?=['"])/gi; // of strings, assemblers and tools
   const DUMP = /^\s*(?:0{4,8}:?|[0-9A-F]{4,8}(?=.*\|))\s+((?:[0-9A-F]{2} {0,2})+)(?:\s*\|.*|\s{2,}\S.{0,16})?$/i;
   const LIST = /[{[]([^{}[\]]*[^{}[\]\d\s][^{}[\]]*)[}\]]/; // of C, Python or JSON; `[8]` is a length
   const ID_LABEL = /(?:^|[^a-z])(?:id|标识符)["']?\s*[:=]?\s*["']?(?:0x)?([0-9a-f]+)h?(?![0-9a-z_])/di;
   const LENGTH_LABEL = /(?:^|[^a-z])(?:dlc|dl|len|length|长度)["']?\s*[:=]?\s*(\d+)/di;
-  const DATA_LABEL = /(?:data|payload|bytes|数据)["']?\s*(?:\[\d*\])?\s*[:=]/i;
+  const DATA_LABEL = /(?:data|payload|bytes|数据)["']?\s*(?:\[\d*\])?\s*[:=]|数据\s/i;
   const STANDARD = /标准|\bst(?:d|andard)\b|\bfalse\b/i; // `false` is in the column for extended ids
   const EXTENDED = /扩展|\bext(?:ended)?\b|\sX\s/i;
   const TOKEN = /[^\s,;:=|"'(){}[\]]+/g;
@@ -82,7 +83,7 @@ canwright.frames = (() => {
    * `{ frame }`, whose id is null if the text has none, or `{ problem }`: a label, the column and further values.
    */
   function parse(text) {
-    const line = text.replace(WIDE, (character) => String.fromCharCode(character.charCodeAt(0) - 0xfee0)).replace(/[\u3000、]/g, " ");
+    const line = text.replace(WIDE, (character) => String.fromCharCode(character.charCodeAt(0) - 0xfee0)).replace(/[\u3000、]/g, " ").replace(MARKED, (mark) => " ".repeat(mark.length));
     const dump = DUMP.exec(line);
     const frame = dump ? pasted(null, numbers(dump[1])) : parseLine(line);
     const rest = frame && !dump && line.includes("#") ? strayAfterHash(line) : null;

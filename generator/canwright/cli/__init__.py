@@ -31,6 +31,7 @@ COMMANDS = {
     "handover": ("handover", "Write documents to hand over: HTML, PDF, Excel, and the command matrix as CSV."),
     "identify": ("identify", "Show which editions a recorded exchange fits, and why."),
     "init": ("init", "Start the spec of a new protocol FAMILY, with golden frames."),
+    "monitor": ("monitor", "Show the nodes of a bus or a LOG with their latest values."),
     "request": ("request", "Send a COMMAND to nodes on a bus, and print the replies in units."),
     "scan": ("scan", "Find the nodes on a bus, and show which editions each of them fits."),
     "schema": ("schema", "Print the JSON Schema of the language, for editors."),
@@ -55,6 +56,7 @@ HELP = """Usage: canwright [OPTIONS] COMMAND [ARGS]...
     canwright encode COMMAND FIELD=VALUE            print the frame of a command
     canwright scan                                  find the nodes on a bus, and their editions
     canwright request COMMAND FIELD=VALUE           send it on a bus, and print the reply
+    canwright monitor                               show the nodes on a bus and their values
     canwright simulate EDITION --node 1..4          answer on a bus as nodes do
     canwright diff OLD NEW                          show changes between editions and who is affected
     canwright identify LOG                          identify the edition of recorded frames

@@ -52,6 +52,20 @@ class FilePath(click.Path):
             )
 
 
+class OutputPath(FilePath):
+    """The name of a file whose ending selects its format."""
+
+    def __init__(self, formats: Sequence[str]) -> None:
+        super().__init__(dir_okay=False)
+        self.formats = formats
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        path: Path = super().convert(value, param, ctx)
+        if path.suffix not in self.formats:
+            self.fail(f"{visible(path.name)} must end in {', '.join(self.formats)}", param, ctx)
+        return path
+
+
 class OfSpecs(click.Command):
     """A command without arguments; a spec is given by an option."""
 

@@ -19,32 +19,28 @@ from ..model.edition import Edition
 from ..model.formatting import counted
 from ..model.message import Direction
 from ..recordings import candump, plot as pictures, split as split_logs
-from ..recordings.directions import Directions
 from ..recordings.doubts import copies, doubts
 from ..recordings.exports import CsvLines, JsonLines, bus_name
-from ..recordings.identify import Identifier
 from ..recordings.log_frame import Counts, LogFrame, SkippedPart
 from ..recordings.mcap_file import McapFile
 from ..recordings.new_files import is_overwritten, new_file, new_folder, same_path
-from ..recordings.nodes import Identifiers, Nodes, NodeSetting, common_edition, follow, nodes_of
+from ..recordings.nodes import Nodes, NodeSetting, follow
 from ..recordings.packages import MissingPackageError
 from ..recordings.parquet import ParquetTables
 from ..recordings.pasted import pasted_frame
-from ..recordings.readers import STANDARD_INPUT, Log, LogError, open_log
+from ..recordings.readers import STANDARD_INPUT, Log, LogError
 from ..recordings.rows import Row, RowReader
 from ..recordings.summary import Summary
 from ..semantics.frame import CanFrame
 from . import INTERRUPTED
 from .bus import BusArguments, bus_options
-from .common import FINDINGS, FilePath, read, spec_option, stop
+from .common import FINDINGS, FilePath, OutputPath, read, spec_option, stop
 from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
-from .log_source import ended_by_interrupt, log_or_bus
+from .log_source import BLOCK, ended_by_interrupt, known_nodes, log_directions, log_or_bus
 from .node_settings import bus_of, differences_option, direction_of, recorder_option, split_option
 from .terminal import print_data, print_text, progress
 
-BLOCK = 500
-"""The maximum number of rows that are printed at once."""
 BINARY = {"parquet": "a folder: --out tables", "mcap": "a file: --out log.mcap"}
 """The formats of rows that are not text, and what each needs."""
 
@@ -75,20 +71,6 @@ def _exists(name: str) -> bool:
         return Path(name).exists()
     except (OSError, ValueError):  # as of a name that is too long
         return False
-
-
-class OutputPath(FilePath):
-    """The name of a file whose ending selects its format."""
-
-    def __init__(self, formats: Sequence[str]) -> None:
-        super().__init__(dir_okay=False)
-        self.formats = formats
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        path: Path = super().convert(value, param, ctx)
-        if path.suffix not in self.formats:
-            self.fail(f"{visible(path.name)} must end in {', '.join(self.formats)}", param, ctx)
-        return path
 
 
 class Outputs(NamedTuple):
@@ -261,13 +243,7 @@ def _decode(
     window: float | None,
     recorder: Direction,
 ) -> None:
-    common = common_edition(editions, settings)
-    if common is not None:
-        nodes: Nodes | None = Nodes([common], settings, common)
-    elif log.is_file:
-        nodes = nodes_of(_identified(log, editions, recorder), settings)
-    else:
-        nodes = None
+    nodes = known_nodes(log, editions, settings, recorder)
     with ended_by_interrupt(log):
         frames: Iterable[LogFrame] = log
         if nodes is None:
@@ -290,15 +266,7 @@ def _print(
 ) -> bool:
     """Prints rows, summary and remarks of a log. Returns whether it has no findings."""
     _check_fields(outputs.fields, nodes.family)
-    directions = Directions(
-        nodes.editions,
-        nodes.default,
-        window=None if window is None else int(window * 1_000_000),
-        recorder=recorder,
-        is_stream=not log.is_file,
-        further=nodes.family,
-        changes=nodes.changes,
-    )
+    directions = log_directions(log, nodes, recorder, window)
     reader, summary = RowReader(nodes.assignment, nodes.label), Summary()
     rows = reader.rows(directions.classify(frames))
     remarks = _write(log, rows, lambda pause: reader.rows(directions.paused(int(pause * 1e9))), outputs, summary)
@@ -313,18 +281,6 @@ def _print(
     for remark in [*remarks, *unset, *copies(summary, behaviours), *doubtful]:
         print_text(f"{remark}\n", error=outputs.prints_rows and outputs.form != "text")
     return not doubtful and _is_clean(summary, nodes, log.counts)
-
-
-def _identified(log: Log, editions: Sequence[Edition], recorder: Direction) -> Identifier:
-    """All frames of a log in a file, with the editions that they fit."""
-    identifiers = Identifiers(editions, recorder)
-    again = open_log(log.name, has_differences=log.has_differences, is_split=log.is_split)
-    with again as frames, progress("frames", shown=True) as advance:
-        for number, frame in enumerate(frames):
-            identifiers.add(frame)
-            if number % BLOCK == BLOCK - 1:
-                advance(BLOCK)
-    return identifiers.best
 
 
 def _is_clean(summary: Summary, nodes: Nodes, counts: Counts) -> bool:

@@ -27,27 +27,39 @@ SHOWN = 4
 _COLUMNS = ("number", "time", "bus", "node", "edition", "direction", "by", "command")
 
 
-class RowTable:
-    """A table that is printed in blocks; its columns become wider where rows need it."""
+class AlignedTable:
+    """A table that is printed in blocks; its columns become wider where rows need it, and a text follows them."""
+
+    def __init__(self, columns: Sequence[str], text: str, right: Collection[int]) -> None:
+        """A table with some columns on the right."""
+        self._columns, self._text, self._right = columns, text, right
+        self._widths = [0] * len(columns)
+
+    def lines(self, rows: Sequence[tuple[Sequence[str], str]]) -> str:
+        """The rows, each with its text, as lines; before the first ones, the header."""
+        is_first = not any(self._widths)
+        columns = zip(self._widths, self._columns, *(cells for cells, _ in rows), strict=True)
+        self._widths = [max(width, *map(len, column)) for width, *column in columns]
+        header = self._line(self._columns, self._text) if is_first else ""
+        return header + "".join(self._line(*row) for row in rows)
+
+    def _line(self, cells: Sequence[str], text: str) -> str:
+        padded = (
+            cell.rjust(w) if i in self._right else cell.ljust(w)
+            for i, (cell, w) in enumerate(zip(cells, self._widths, strict=True))
+        )
+        return f"{'  '.join(padded)}  {text}".rstrip() + "\n"
+
+
+class RowTable(AlignedTable):
+    """The rows of a log as a table."""
 
     def __init__(self) -> None:
-        self._widths = [0] * len(_COLUMNS)
+        super().__init__(_COLUMNS, "fields", (0, 1))
 
     def __call__(self, rows: Sequence[Row]) -> str:
         """The rows as lines; before the first ones, the header."""
-        is_first = not any(self._widths)
-        cells = [_COLUMNS, *map(_cells, rows)]
-        columns = zip(self._widths, *cells, strict=True)
-        self._widths = [max(width, *map(len, column)) for width, *column in columns]
-        header = self._line(_COLUMNS, "fields") if is_first else ""
-        return header + "".join(map(self._line, cells[1:], map(_fields, rows)))
-
-    def _line(self, cells: Sequence[str], fields: str) -> str:
-        padded = (
-            cell.rjust(w) if i < 2 else cell.ljust(w)
-            for i, (cell, w) in enumerate(zip(cells, self._widths, strict=True))
-        )
-        return f"{'  '.join(padded)}  {fields}".rstrip() + "\n"
+        return self.lines([(_cells(row), _fields(row)) for row in rows])
 
 
 def _cells(row: Row) -> Sequence[str]:

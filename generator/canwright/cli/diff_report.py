@@ -8,19 +8,10 @@ from dataclasses import dataclass, field
 from functools import partial
 from xml.etree import ElementTree
 
-from ..compare import (
-    REASONS,
-    Category,
-    Change,
-    Impact,
-    Item,
-    Witness,
-    by_impact,
-    compare,
-    examples,
-    reason_without_witness,
-)
+from ..compare import Category, Change, Impact, Item, by_impact, compare
 from ..compare.positions import positions
+from ..compare.verdicts import examples, reason_without_witness
+from ..compare.witnesses.witness import REASONS, Witness
 from ..diagnostics.diagnostic import Position
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting

@@ -76,7 +76,10 @@ def encode(
     if not pairs:
         stop(f"there is no command `{command}`; {hint}")
     direction = Direction.REPLY if reply else Direction.REQUEST
-    written = written_values(values)
+    try:
+        written = written_values(values)
+    except ValueError as error:
+        stop(str(error))
     sent: dict[tuple[str, str], list[Edition]] = {}
     refused: dict[str, list[Edition]] = {}
     for having, shown in pairs:
@@ -106,14 +109,14 @@ def meaning_of(edition: Edition, message: Message, frame: CanFrame, given: Assig
 
 
 def written_values(values: Sequence[str]) -> dict[str, str]:
-    """The values as they are written, by field. Stops at one that is none, or is given twice."""
+    """The values as they are written, by field. Raises ValueError for one that is none, or is given twice."""
     result: dict[str, str] = {}
     for item in values:
         name, equals, value = item.partition("=")
         if not equals:
-            stop(f"`{visible(item)}` is not a value; write FIELD=VALUE, for example {visible(item)}=0")
+            raise ValueError(f"`{visible(item)}` is not a value; write FIELD=VALUE, for example {visible(item)}=0")
         if result.setdefault(name, value) != value:
-            stop(f"`{visible(name)}` is given twice; remove one")
+            raise ValueError(f"`{visible(name)}` is given twice; remove one")
     return result
 
 

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import contextlib
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import click
 
+from ..model.edition import Edition
+from ..model.message import Direction
 from ..recordings.bus_log import BusLog
+from ..recordings.directions import Directions
+from ..recordings.identify import Identifier
+from ..recordings.nodes import Identifiers, Nodes, NodeSetting, common_edition, nodes_of
 from ..recordings.readers import Log, open_log
 from .bus import EXAMPLE, BusArguments, opened_bus
+from .terminal import progress
+
+BLOCK = 500
+"""The maximum number of frames that are processed at once."""
 
 
 @contextlib.contextmanager
@@ -50,3 +59,38 @@ def ended_by_interrupt(log: Log) -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def known_nodes(
+    log: Log, editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction
+) -> Nodes | None:
+    """The nodes of a log, which is read once to identify them; None for a stream whose nodes may have several editions."""
+    common = common_edition(editions, settings)
+    if common is not None:
+        return Nodes([common], settings, common)
+    return nodes_of(_identified(log, editions, recorder), settings) if log.is_file else None
+
+
+def _identified(log: Log, editions: Sequence[Edition], recorder: Direction) -> Identifier:
+    """All frames of a log in a file, with the editions that they fit."""
+    identifiers = Identifiers(editions, recorder)
+    again = open_log(log.name, has_differences=log.has_differences, is_split=log.is_split)
+    with again as frames, progress("frames", shown=True) as advance:
+        for number, frame in enumerate(frames):
+            identifiers.add(frame)
+            if number % BLOCK == BLOCK - 1:
+                advance(BLOCK)
+    return identifiers.best
+
+
+def log_directions(log: Log, nodes: Nodes, recorder: Direction, window: float | None = None) -> Directions:
+    """What decides on the directions of the frames of a log; a request is answered within `window` ms."""
+    return Directions(
+        nodes.editions,
+        nodes.default,
+        window=None if window is None else int(window * 1_000_000),
+        recorder=recorder,
+        is_stream=not log.is_file,
+        further=nodes.family,
+        changes=nodes.changes,
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.message import Message
 from ..model.metadata import Consent
+from ..model.types import Assignment
 from ..recordings.bus_log import sentence
 from ..semantics.configured import configured
 from ..semantics.frame import CanFrame
@@ -84,25 +85,19 @@ def request(
     specification = only_edition(chosen, "give the one of the nodes, which `canwright scan` finds: --edition")
     given = assignment([specification], settings)
     ours = configured(specification.edition, given)
-    message = _request_of(ours, command)
+    try:
+        message, written = request_of(ours, command, given), written_values(values)
+    except ValueError as error:
+        stop(str(error))
     try:
         numbers = selected_nodes(nodes, [ours])
     except ValueError as error:
         stop(f"--node {visible(nodes)}: {error}")
-    asked = ours.command(message.command)
-    lacking = [name for name in asked.reply_parameters if name not in given and not asked.ends_motion]
-    if lacking:
-        needed = " or ".join(known_values([ours], name) for name in lacking)
-        stop(f"the reply of {message.command} depends on {', '.join(lacking)}; give --set {needed}")
-    written = written_values(values)
-    has_node = message.id.nodes is not None or message.node_in_data is not None
-    frames: dict[int | None, CanFrame] = {}
-    for node in numbers if has_node else (None,):
-        frame = encoded(ours, message, node, written, given)
-        if isinstance(frame, str):
-            print_text(f"canwright: {frame}\n", error=True)
-            sys.exit(FINDINGS)
-        frames[node] = frame
+    try:
+        frames = encoded_frames(ours, message, numbers, written, given)
+    except ValueError as error:
+        print_text(f"canwright: {error}\n", error=True)
+        sys.exit(FINDINGS)
     package = PythonPackage(specification, given)
     requests = [package.request(message, node, frame) for node, frame in frames.items()]
     if measure and (requests[0].REPLIES != 1 or any(package.client.effects_of(each) for each in requests)):
@@ -115,7 +110,7 @@ def request(
             if measure:
                 errors = [lacking for each in requests for lacking in _measured(client, each, measure)]
             else:
-                replies, errors = _exchanged(package, client, requests, " ".join(allow))
+                replies, errors = exchanged(package, client, requests, " ".join(allow))
                 for reply in replies:
                     print_text(meaning_of(ours, model_reply(ours, reply), model_frame(reply), given))
     for reason in errors:
@@ -125,25 +120,46 @@ def request(
         text = f"{reason.reason}. To allow this, write --allow {reason.consent}" if is_refused else str(reason)
         print_text(f"canwright: {text}\n", error=True)
     if any(not isinstance(error, package.client.ConsentError) for error in errors or [None]):
-        _print_stop(package, requests[0], nodes)
+        stopping = stop_command(package, requests[0])
+        if stopping:
+            print_text(f"to stop: canwright request {stopping} --node {nodes} ...\n", error=True)
     if errors:
         sys.exit(FINDINGS)
 
 
-def _request_of(edition: Edition, written: str) -> Message:
-    """The request of a command; stops without one, or with several."""
+def request_of(edition: Edition, written: str, given: Assignment) -> Message:
+    """The request of a command. Raises ValueError without one, with several, or if its reply depends on an unknown parameter."""
     pairs, hint = find([edition], written)
     if not pairs:
-        stop(f"there is no command `{visible(written)}`; {hint}")
+        raise ValueError(f"there is no command `{visible(written)}`; {hint}")
     if len(pairs) > 1:
-        stop(f"`{visible(written)}` is several commands; write one: {', '.join(command.name for _, command in pairs)}")
+        names = ", ".join(command.name for _, command in pairs)
+        raise ValueError(f"`{visible(written)}` is several commands; write one: {names}")
     command = pairs[0][1]
     if command.request is None:
-        stop(f"{command.name} has no request; nodes send it by themselves")
+        raise ValueError(f"{command.name} has no request; nodes send it by themselves")
+    lacking = [name for name in command.reply_parameters if name not in given and not command.ends_motion]
+    if lacking:
+        needed = " or ".join(known_values([edition], name) for name in lacking)
+        raise ValueError(f"the reply of {command.name} depends on {', '.join(lacking)}; give --set {needed}")
     return command.request
 
 
-def _exchanged(
+def encoded_frames(
+    edition: Edition, message: Message, nodes: Sequence[int], written: Mapping[str, str], given: Assignment
+) -> dict[int | None, CanFrame]:
+    """The frames of a request by node, or that of a broadcast. Raises ValueError with the reason why there is none."""
+    has_node = message.id.nodes is not None or message.node_in_data is not None
+    frames: dict[int | None, CanFrame] = {}
+    for node in nodes if has_node else (None,):
+        frame = encoded(edition, message, node, written, given)
+        if isinstance(frame, str):
+            raise ValueError(frame)
+        frames[node] = frame
+    return frames
+
+
+def exchanged(
     package: PythonPackage, client: Any, requests: Sequence[Any], allow: str
 ) -> tuple[Sequence[Any], Sequence[Any]]:
     """The replies, and the reason of each that is missing."""
@@ -188,10 +204,10 @@ def _measured(client: Any, request: Any, times: int) -> Sequence[Any]:
     return errors[-1:]
 
 
-def _print_stop(package: PythonPackage, request: Any, nodes: str) -> None:
-    """Prints how to stop the nodes, if a request may move them."""
+def stop_command(package: PythonPackage, request: Any) -> str | None:
+    """The command that stops nodes, if a request may move them."""
     facts = package.edition.client_facts
     stop_request = facts.ends_motion.get("stop")
     may_move = any(facts.effects[name][1] == Consent.MOTION.value for name in package.client.effects_of(request))
-    if may_move and stop_request and type(request) not in facts.ends_motion.values():
-        print_text(f"to stop: canwright request {stop_request.COMMAND} --node {nodes} ...\n", error=True)
+    is_needed = may_move and stop_request and type(request) not in facts.ends_motion.values()
+    return str(stop_request.COMMAND) if is_needed else None

@@ -106,7 +106,10 @@ def simulate(
     except ValueError as error:
         stop(f"--node {visible(nodes)}: {error}")
     package = PythonPackage(specification, assignment([specification], settings))
-    values = package.first_values(written_values([word for word in words if "=" in word]))
+    try:
+        values = package.first_values(written_values([word for word in words if "=" in word]))
+    except ValueError as error:
+        stop(str(error))
     chosen = package.simulation.Faults(**{key: value for key, value in faults.items() if value is not None})
     with opened_bus(bus_arguments) as bus, _warnings_as_lines():
         simulated, own_frames = map(package.node, numbers), returns_own_frames(bus_arguments)

@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING
 from ..model.edition import Edition
 from .catalogue import CHANGES as CHANGES
 from .change import Category as Category, Change as Change, Impact as Impact, Item as Item, Side as Side
-from .verdicts import examples as examples, reason_without_witness as reason_without_witness
-from .witnesses.witness import REASONS as REASONS, SENTENCES as SENTENCES, Witness as Witness
 
 if TYPE_CHECKING:
     from .exported_names import Exporter

@@ -10,8 +10,6 @@ import codecs
 import os
 import re
 import stat
-from collections.abc import Iterator
-from functools import cached_property
 from pathlib import Path
 from typing import NoReturn
 
@@ -53,11 +51,10 @@ class Document:
 
     def contains(self, dotted: str) -> bool:
         """Whether `commands.stop.reply` is a path of this file."""
-        return dotted in self._dotted_paths
-
-    @cached_property
-    def _dotted_paths(self) -> frozenset[str]:
-        return frozenset(".".join(map(str, path)) for path in _paths(self.data))
+        item: object = self.data
+        for step in dotted.split(".") if dotted else ():
+            item = _child(item, step)
+        return item is not _NOWHERE
 
     def position(self, path: DocumentPath, *, key: bool = False) -> Position:
         """The position of the value at `path`, or with `key` of its key; for an unknown path, of the nearest key."""
@@ -86,11 +83,13 @@ class Document:
         return Position(self.name, mark.line, mark.column, mark.length, text)
 
 
-def _paths(data: Data, path: DocumentPath = ()) -> Iterator[DocumentPath]:
-    yield path
-    children = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
-    for step, value in children:
-        yield from _paths(value, (*path, step))
+_NOWHERE = object()
+
+
+def _child(data: object, step: str) -> object:
+    """The item of a mapping or a list at one step of a dotted path."""
+    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
+    return next((item for key, item in items if str(key) == step), _NOWHERE)
 
 
 def parse_document(name: str, text: str) -> Document:

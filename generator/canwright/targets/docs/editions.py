@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple
 
-from ...compare import REASONS, Category, Change, Impact, examples, reason_without_witness
+from ...compare import Category, Change, Impact
+from ...compare.verdicts import examples, reason_without_witness
+from ...compare.witnesses.witness import REASONS
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.message import Command, Direction, KeyRole

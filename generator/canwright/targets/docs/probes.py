@@ -8,7 +8,9 @@ from typing import NamedTuple
 
 from ...model import formatting
 from ...model.edition import Edition
+from ...model.layout import Space
 from ...model.message import Command, Message
+from ...model.metadata import Neighbour
 from ...semantics.encoder import Encoder
 from ...semantics.frame import CanFrame
 from ...templating.markup import code, markdown
@@ -26,12 +28,29 @@ class Answer(NamedTuple):
     fields: str
 
 
+class Outcome(NamedTuple):
+    """A reply that leaves some editions: its id and, where it decides, whether a byte is 0; the cells are Markdown."""
+
+    reply_id: str
+    byte: str
+    is_zero: bool
+    answers: Sequence[Answer]
+
+
 class Probe(NamedTuple):
     """A request that only reads, as a frame to node 1, in Markdown, and the replies of the editions that have it."""
 
     frame: str
     command: str
     answers: Sequence[Answer]
+    outcomes: Sequence[Outcome]
+    neighbours: Sequence[Neighbour]
+    """Ids that belong to others in each of these editions."""
+
+    @property
+    def bytes(self) -> Sequence[str]:
+        """The bytes of the reply that decide between editions."""
+        return list(dict.fromkeys(outcome.byte for outcome in self.outcomes if outcome.byte))
 
 
 def probes(listed: Listed) -> Iterator[Probe]:
@@ -61,16 +80,52 @@ def _deciding(pair: Listed, reads: Mapping[Edition, Mapping[CanFrame, Command]])
 def _probe(frame: CanFrame, members: Listed, reads: Mapping[Edition, Mapping[CanFrame, Command]]) -> Probe:
     folder, edition = members[-1]
     command = reads[edition][frame]
+    replies = [(_answer(folder, edition, reply), reply) for folder, edition, reply in _replies(frame, members, reads)]
     return Probe(
         code(formatting.sent(frame)),
         f"[{markdown(command.name)}]({folder}/{COMMANDS}{command_page(command)})",
-        [_answer(folder, edition, reads[edition][frame]) for folder, edition in members],
+        [answer for answer, _ in replies],
+        list(_outcomes(replies)),
+        [n for n in edition.bus.neighbours if all(n.ids in _foreign_ids(own) for _, own in members)],
     )
 
 
-def _answer(folder: str, edition: Edition, command: Command) -> Answer:
-    reply = command.reply
-    assert reply is not None
+def _foreign_ids(edition: Edition) -> Sequence[range]:
+    return [neighbour.ids for neighbour in edition.bus.neighbours]
+
+
+def _replies(
+    frame: CanFrame, members: Listed, reads: Mapping[Edition, Mapping[CanFrame, Command]]
+) -> Iterator[tuple[str, Edition, Message]]:
+    for folder, edition in members:
+        reply = reads[edition][frame].reply
+        assert reply is not None
+        yield folder, edition, reply
+
+
+def _outcomes(replies: Sequence[tuple[Answer, Message]]) -> Iterator[Outcome]:
+    """The editions by the id of the reply, and by the first byte that is always 0 in some of them only."""
+    for reply_id in dict.fromkeys(answer.reply_id for answer, _ in replies):
+        used = {answer: _used_bytes(reply) for answer, reply in replies if answer.reply_id == reply_id}
+        shared = range(min(reply.dlc for answer, reply in replies if answer in used))
+        byte = next((n for n in shared if len({n in own for own in used.values()}) > 1), None)
+        if byte is None:
+            yield Outcome(reply_id, "", False, list(used))
+            continue
+        for is_zero in (True, False):
+            answers = [answer for answer, own in used.items() if (byte not in own) is is_zero]
+            yield Outcome(reply_id, code(f"DATA[{byte}]"), is_zero, answers)
+
+
+def _used_bytes(message: Message) -> set[int]:
+    """The data bytes of a message that are not always 0."""
+    fields = (field for field in message.layout.fields if field.space is Space.DATA and field.role.sent_raw != 0)
+    runs = [element.segments for field in fields for element in field.elements]
+    runs += [key.segments for key in message.keys if key.space is Space.DATA]
+    return {segment.byte for segments in runs for segment in segments}
+
+
+def _answer(folder: str, edition: Edition, reply: Message) -> Answer:
     return Answer(
         edition,
         folder,

@@ -12,7 +12,7 @@ from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, IdRule, Message
 from ...model.metadata import Mode
-from ...model.types import Type
+from ...model.types import Parameter, Type
 from ...templating import resources
 from ...templating.data_files import read_data
 from ...templating.markup import script_text
@@ -88,7 +88,11 @@ def _records(edition: Edition) -> Iterator[Record]:
                 "name": item.name,
                 "title": dict(item.title),
                 "about": dict(item.about),
-                "words": _rates(item) if isinstance(item, Mode) else [],
+                "words": _rates(item)
+                if isinstance(item, Mode)
+                else _choices(item)
+                if isinstance(item, Parameter)
+                else [],
                 "pages": pages,
             }
 
@@ -102,6 +106,11 @@ def _rates(mode: Mode) -> list[str]:
         if number
         for text in (f"{number} {prefix}", f"{number} {prefix}bps", f"{number} {prefix}bit/s")
     ]
+
+
+def _choices(parameter: Parameter) -> list[str]:
+    """The values of a parameter, by name and title."""
+    return [text for value in parameter.values for text in (value.name, *value.title.values())]
 
 
 def page_of(command: Command) -> str:
@@ -195,9 +204,12 @@ def _quantity(type_: Type) -> Record:
 
 
 def _limits(type_: Type) -> Iterator[str]:
-    """The ends of the ranges of a number that do not depend on the device, in its unit."""
+    """The ends of the ranges of a number that do not depend on the device, as raw integers and in its unit."""
     for names, limits in type_.raw_range.distinct():
-        if limits is None or not limits.is_constant or not type_.unit:
+        if limits is None or not limits.is_constant:
+            continue
+        yield f"{formatting.bound(limits.low)} {formatting.bound(limits.high)}"
+        if not type_.unit:
             continue
         for cases, linear in type_.linear.distinct():
             if linear is not None and linear.times is None and (not names or not cases or {*names} & {*cases}):

@@ -261,7 +261,9 @@
   /** Why no message fits: a line for each reason, with the editions that give it, as the command line does. */
   function reasons(frame) {
     const listed = frame.id === null ? [] : meaning.reasons(frame, meaning.find(state.edition));
-    return [say("no_message"), ...listed.map(({ direction, message, labels }) => `${say(direction)}: ${message} (${labels.join(", ")})`)].join("\n");
+    const given = (value) => [value].flat().join(say("or"));
+    const reason = ({ direction, refusal, values, labels }) => say("reason", say(direction), say(refusal, say(direction), ...values.map(given)), labels.join(say("listed")));
+    return [say("no_message"), ...listed.map(reason)].join("\n");
   }
 
   function select(interpretation) {

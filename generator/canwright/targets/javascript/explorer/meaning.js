@@ -335,7 +335,7 @@ canwright.meaning = (() => {
         } catch (error) {
           const key = `${direction} ${error.message}`;
           const { labels } = groups.get(key) ?? { labels: [] };
-          groups.set(key, { direction, message: error.message, labels: [...labels, label(each)] });
+          groups.set(key, { direction, message: error.message, refusal: error.refusal, values: error.values ?? [], labels: [...labels, label(each)] });
         }
       }
     }

@@ -14,13 +14,14 @@ export class CodecError extends Error {
 
 /**
  * The error of a frame that is rejected. It has no stack: a frame of another protocol on the bus is no mistake in a program,
- * and to collect a stack takes longer than to decode a frame.
+ * and to collect a stack takes longer than to decode a frame. `values` are those in the message, for texts in other languages.
  */
-export function rejection(refusal, message, field) {
+export function rejection(refusal, message, values, field) {
   const error = Object.create(CodecError.prototype);
   error.name = "CodecError";
   error.message = message;
   error.refusal = refusal;
+  error.values = values;
   error.field = field;
   return error;
 }

@@ -2,11 +2,12 @@
 // Search without an inverted index: some thousand short texts are compared in a few milliseconds. Libraries for full
 // text split words at spaces, which Chinese does not have, and know neither codes nor rules of ids.
 
-const SEPARATORS = /[\s_+~\-‐–—,，、;；:：。()（）[\]【】"'“”`!！?？/]+/gu;
+const SEPARATORS = /(?:[\s_+=~\-‐–—,，、;；:：。()（）[\]【】"'“”`!！?？/]|\.{2,})+/gu;
 const BOUNDARY = /(?<=[\u3400-\u9fff])(?=[a-z0-9])|(?<=[a-z0-9])(?=[\u3400-\u9fff])/gu;
+const BETWEEN_CHINESE = /(?<=[\u3400-\u9fff]) (?=[\u3400-\u9fff])/gu;
 const CHINESE = /[\u3400-\u9fff]/u;
-/** A number directly before its unit, as `0.01rpm` or `500kbps`, but no hexadecimal number. */
-const QUANTITY = /(?<![\w.])(\d+(?:\.\d+)?)(?=[a-zµ°]{1,6}(?![\w]))(?![a-fh]\b|x)/giu;
+/** A number directly before its unit, as `0.01rpm`, `500kbps` or `1.5A`, but no hexadecimal number. */
+const QUANTITY = /(?<![\w.])(?:\d+\.\d+(?=[a-zµ°℃])|\d+(?=[a-zµ°℃]{1,6}(?!\w))(?![a-fh]\b|x))/giu;
 
 /** The `s` of `limits`, not of `bus`, `loss` or `rps`. */
 const PLURAL = /(?<=\b[a-z]{2,}[a-rtv-z])s\b/gu;
@@ -16,13 +17,17 @@ const ENDING = /(?<=[a-z]{4})(?:ing|ion|ed|e)$/u;
 /** Where `maxLevel` has two words, but not `mA`. */
 const CAMEL = /(?<=[a-z]{2})(?=[A-Z])/gu;
 
+/** The bytes of a frame, which manuals print beside codes and fields. */
+const PLACE = /\bdata\s*\[\d+(?:\.\.\d+)?\]/giu;
 /** What headings of manuals add in parentheses. */
 const REMARK = /(?<=\S)\s*[（(][^（()）]{8,}[)）]/gu;
 
 /** How much a match in an item of a kind is worth; exact matches are compared by it, too. */
 const WEIGHTS = { command: 1, type: 0.8, entry: 0.9, id: 0.95, page: 0.9, question: 0.9, heading: 0.88, mode: 0.75, effect: 0.7, field: 0.7, value: 0.65, table: 0.6, erratum: 0.45, parameter: 0.55, setting: 0.5, state: 0.5, neighbour: 0.5 };
 /** For an item that is the whole query: the type of a field comes before the commands that have it. */
-const WHOLE = { heading: 0, type: 0.99 };
+const WHOLE = { heading: 0, type: 0.99, setting: 0.75 };
+/** For a name in the spelling of the manual. */
+const PRINTED = 0.3;
 /** A field of more commands than these does not lead to them by its name alone. */
 const FREQUENT = 4;
 const ABOUT = 0.3;
@@ -135,19 +140,35 @@ function createSearch(index, language) {
   const newest = index.editions.at(-1)?.folder ?? "";
 
   /**
-   * The editions that a query names, the one that it means first, and the rest of it: `11 v2.35` or `2.36 dim`.
+   * The words that name editions, the longest first: `v2.35 2024 02`, its beginnings, also without `v`, and `2024 02` or `2024`.
    * A version is also that of later editions with the same number, which can have what the first one lacks.
    */
+  const versions = new Map();
+  for (const { folder, name } of index.editions) {
+    const label = normalized(name).split(" ");
+    const beginnings = words => words.map((_, i) => words.slice(0, i + 1).join(" "));
+    const all = [...beginnings(label), ...beginnings(label.slice(1)), ...beginnings([label[0].replace(/^v/u, ""), ...label.slice(1)])];
+    for (const text of new Set(all)) {
+      if (/\d.*\d/u.test(text) && text.length > 2) { versions.set(text, [...(versions.get(text) ?? []), folder]); }
+    }
+    for (const text of [label.join(" "), label.join(" ").replace(/^v/u, "")]) { versions.get(text)?.unshift(folder); }
+  }
+  const byLength = [...versions].sort(([a], [b]) => b.length - a.length);
+
+  /** The editions that a query names, those that all its versions name if there are any, and the rest of it. */
   function ofEditions(query) {
-    const labels = index.editions.map(({ folder, name }) => ({ folder, label: normalized(name) }));
-    const numbered = ({ folder, label }) => ({ folder, label: label.replace(/^v/u, "") });
-    const isNamed = text => ` ${query} `.includes(` ${text} `);
-    const spelled = labels.flatMap(({ folder, label }) => [label, label.replace(/^v/u, ""), label.replace(/^\S+ /u, "")].map(text => ({ folder, text })));
-    const exact = spelled.filter(({ text }) => text.length > 3 && isNamed(text)).sort((a, b) => b.text.length - a.text.length)[0];
-    const version = exact?.text ?? query.match(/(?:^| )(v?\d+\.\d+[\d. ]*?)(?= [^\d]|$)/u)?.[1];
-    const same = version ? labels.map(numbered).filter(({ label }) => `${label} `.startsWith(`${version.replace(/^v/u, "")}`)).map(({ folder }) => folder) : [];
-    const folders = [...new Set(exact ? [exact.folder, ...same] : same)];
-    return folders.length ? { folders, means: exact?.folder ?? "", rest: ` ${query} `.replace(` ${version} `, " ").replace(/ +/gu, " ").trim() } : { folders, means: "", rest: query };
+    let rest = ` ${query} `;
+    const named = [];
+    for (const [text, folders] of byLength) {
+      if (rest.includes(` ${text} `)) {
+        named.push(folders);
+        rest = rest.replaceAll(` ${text} `, " ");
+      }
+    }
+    const common = named.reduce((all, folders) => all.filter(folder => folders.includes(folder)), named[0] ?? []);
+    const folders = common.length ? [...new Set(common)] : [...new Set(named.flat())];
+    const isExact = folders.length === 1 || common.length > folders.length;
+    return { folders, means: isExact ? folders[0] : "", rest: rest.replace(/ +/gu, " ").trim() };
   }
 
   /** The terms of a query, each with the words that mean the same. */
@@ -241,12 +262,12 @@ function createSearch(index, language) {
     return best * WEIGHTS[item.kind];
   }
 
-  /** The score of an item that is what the whole query says; 0 for any other. */
-  function whole(item, query) {
+  /** The score of an item that is what the whole query says; 0 for any other. `asked` is the query as typed. */
+  function whole(item, query, asked) {
     if (!query || item.isEverywhere || ["question", "effect"].includes(item.kind)) { return 0; }
     const isType = item.kind === "type" && groups.some(group => group.includes(query) && group.some(word => item.texts.includes(word)));
     if (!isType && !ofId(item, query) && !item.texts.includes(query)) { return 0; }
-    return EXACT + (WHOLE[item.kind] ?? WEIGHTS[item.kind]);
+    return EXACT + (WHOLE[item.kind] ?? WEIGHTS[item.kind]) + (item.printed?.split(", ").includes(asked.trim()) ? PRINTED : 0);
   }
 
   /** How well each item matches each term. */
@@ -259,8 +280,10 @@ function createSearch(index, language) {
   }
 
   /** Pages with their scores: the mean over the terms, in which a rare term weighs more than a frequent one. */
-  function scored(query, text) {
+  function scored(query, asked) {
+    const text = normalized(asked);
     const { parts, values } = matched(query);
+    const content = parts.map(({ word }) => word).filter(word => !stops.has(word)).join(" ").replace(BETWEEN_CHINESE, "");
     const pages = [...documents.values()];
     const ofPage = pages.map(page => parts.map((_, i) => Math.max(...page.items.map(item => values.get(item)[i]))));
     const weights = parts.map(({ word }, i) => {
@@ -268,13 +291,13 @@ function createSearch(index, language) {
       return !frequency ? 0 : stops.has(word) ? STOP : Math.log(1 + pages.length / frequency);
     });
     const sum = weights.reduce((total, weight) => total + weight, 0) || 1;
-    const content = weights.filter(weight => weight > STOP).length || 1;
+    const count = weights.filter(weight => weight > STOP).length || 1;
     const mean = of => {
-      const share = of.filter((value, i) => value && weights[i] > STOP).length / content;
+      const share = of.filter((value, i) => value && weights[i] > STOP).length / count;
       return of.reduce((total, value, i) => total + weights[i] * value, 0) / sum * (0.7 + 0.3 * share);
     };
     return pages.map((found, n) => {
-      const of = found.items.map(item => ({ item, score: whole(item, query) || whole(item, text) || mean(values.get(item)) }));
+      const of = found.items.map(item => ({ item, score: [query, text, content].map(each => whole(item, each, asked)).find(Boolean) ?? mean(values.get(item)) }));
       const best = of.reduce((one, two) => two.score > one.score ? two : one);
       return { found, item: ofId(best.item, query) ?? best.item, score: Math.max(best.score, SCATTERED * mean(ofPage[n])) };
     });
@@ -284,7 +307,7 @@ function createSearch(index, language) {
   function simplified(text) {
     const frame = pastedFrame(text);
     if (frame) { return frame.data[0]; }
-    const query = normalized(text.replace(CAMEL, " ").replace(REMARK, " ").replace(QUANTITY, "$1 "));
+    const query = normalized(text.replace(PLACE, " ").replace(CAMEL, " ").replace(REMARK, " ").replace(QUANTITY, "$& "));
     const rest = query.split(" ").filter(word => !stops.has(word)).join(" ");
     return /^(?:0x)?[0-9a-f]+h?$/u.test(rest) ? rest.replace(/^(0x.*)h$/u, "$1") : query;
   }
@@ -295,7 +318,7 @@ function createSearch(index, language) {
     const preferred = means || edition;
     if (!query && !folders.length) { return []; }
     const isOf = folder => !folders.length || folders.includes(folder);
-    const all = query ? spelled(query).flatMap(each => scored(each, normalized(text))) : [...documents.values()].map(found => ({ found, item: found.main ?? found.items[0], score: found.path === "index" && found.folder ? 1 : 0 }));
+    const all = query ? spelled(query).flatMap(each => scored(each, text)) : [...documents.values()].map(found => ({ found, item: found.main ?? found.items[0], score: found.path === "index" && found.folder ? 1 : 0 }));
     const own = all.filter(({ found }) => isOf(found.folder) || (query && !found.folder));
     const most = Math.max(0, ...own.map(({ score }) => score));
     const pages = new Map();
