@@ -38,7 +38,7 @@ from .common import FINDINGS, FilePath, OutputPath, read, spec_option, stop
 from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
 from .log_source import BLOCK, ended_by_interrupt, known_nodes, log_directions, log_or_bus
-from .node_settings import bus_of, differences_option, direction_of, recorder_option, split_option
+from .node_settings import bus_of, differences_option, direction_of, recorder_option, settings_option, split_option
 from .terminal import print_data, print_text, progress
 
 BINARY = {"parquet": "a folder: --out tables", "mcap": "a file: --out log.mcap"}
@@ -96,13 +96,7 @@ class Outputs(NamedTuple):
 @click.command()
 @click.argument("log", type=LogOrFrame(), required=False)
 @spec_option
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="[[BUS:]NODE:]NAME=VALUE",
-    help="A parameter or the edition, of all nodes or of one: --set size=12 --set 3:edition=v2.",
-)
+@settings_option
 @click.option(
     "--format",
     "form",

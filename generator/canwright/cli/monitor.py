@@ -20,7 +20,7 @@ from . import INTERRUPTED
 from .bus import EXAMPLE, BusArguments, bus_options, opened_bus
 from .common import OutputPath, read, spec_option, stop
 from .monitor_view import PlainTable
-from .node_settings import bus_of
+from .node_settings import bus_of, settings_option
 from .terminal import print_text
 
 if TYPE_CHECKING:
@@ -33,13 +33,7 @@ SECONDS = 1.0
 @click.command()
 @click.argument("log", type=click.Path(exists=True, dir_okay=False, allow_dash=True), required=False)
 @spec_option
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="[[BUS:]NODE:]NAME=VALUE",
-    help="A parameter or the edition, of all nodes or of one: --set size=12 --set 3:edition=v2.",
-)
+@settings_option
 @click.option(
     "--filter",
     "filters",

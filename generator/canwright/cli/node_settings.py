@@ -22,6 +22,13 @@ recorder_option = click.option(
     help="Who recorded the log, and so sent the frames that it marks as sent (Tx).",
 )
 
+settings_option = click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="[[BUS:]NODE:]NAME=VALUE",
+    help="A parameter or the edition, of all nodes or of one: --set size=12 --set 3:edition=v2.",
+)
 differences_option = click.option(
     "--time-differences",
     "has_differences",

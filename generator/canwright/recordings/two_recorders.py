@@ -27,7 +27,7 @@ def repeated_after(frames: Iterable[LogFrame]) -> int | None:
     """The time in ns after which nearly each frame of a bus is in the log again; None if there is none.
 
     Frames that are sent with a period are no repetitions: they have an equal frame before and another one after them. Where
-    nothing changes, a host that asks twice in each cycle cannot be told from two recorders.
+    nothing changes, a host that asks twice in each cycle looks like two recorders.
     """
     times: dict[CanFrame, list[int]] = {}
     for recorded in frames:
