@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Any
 import can
 
 from ._codec import ArrayType, CodecError, FieldType, Message, Refusal, Request, places
-from .client import effects_of, frame_of, value_of
+from .client import effects_of, value_of
 from .exchange import Copies
 from .nodes import Node, Numbering
-from .python_can import from_message, to_message
+from .python_can import frame_of, from_message, to_message
 
 if TYPE_CHECKING:
     from typing_extensions import Self
