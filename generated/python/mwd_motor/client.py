@@ -595,8 +595,9 @@ class ClientCore:
         if jobs:
             yield from self._exchange(list(jobs.values()))
         self._moved.clear()
-        if self._notifier and self._reader and self._reader in self._notifier.listeners:
+        if self._notifier and self._reader:
             self._notifier.remove_listener(self._reader)
+            self._reader = None
         unconfirmed = [number for number in moved if number not in jobs or jobs[number].error]
         if unconfirmed:
             text = f"nodes did not confirm {self._on_exit}, and may still move: {unconfirmed}"
