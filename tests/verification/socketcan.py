@@ -78,8 +78,7 @@ def _boot(kernel: Path, folder: Path) -> int:
     contents |= {f"modules/{name}.ko": content for name, content in modules.items()}
     files.write_bytes(gzip.compress(_cpio(contents)))
     share = "local,path=/,mount_tag=host,security_model=none,readonly=on"
-    speed = ["-enable-kvm", "-cpu", "host"] if Path("/dev/kvm").exists() else []
-    command = [emulator, *speed, "-m", "1024", "-smp", "2", "-nographic", "-no-reboot", "-virtfs", share]
+    command = [emulator, "-cpu", "max", "-m", "1024", "-smp", "2", "-nographic", "-no-reboot", "-virtfs", share]
     command += ["-kernel", image, "-initrd", files, "-append", "console=ttyS0 quiet loglevel=3 panic=-1"]
     done = subprocess.run(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60 * MINUTES, check=False
