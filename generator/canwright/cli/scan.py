@@ -208,7 +208,7 @@ class _Scanner:
                 return
             if received.is_error_frame:
                 self.errors += 1
-            elif not received.is_rx or self._copies.take(frame_of(received)):
+            elif self._copies.take(frame_of(received)):
                 self._returned += 1
             else:
                 is_answered = True
