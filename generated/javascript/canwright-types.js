@@ -14,18 +14,45 @@ export class CodecError extends Error {
   }
 }
 
+const Rejection = /* @__PURE__ */ (() => {
+  class Rejection {
+    #describe;
+
+    constructor(refusal, describe, field) {
+      this.refusal = refusal;
+      this.field = field;
+      this.#describe = describe;
+    }
+
+    get name() {
+      return "CodecError";
+    }
+
+    get message() {
+      return this.#describe()[0];
+    }
+
+    get values() {
+      return this.#describe().slice(1);
+    }
+
+    toJSON() {
+      const { name, message, refusal, values, field } = this;
+      return { name, message, refusal, values, field };
+    }
+  }
+  Object.setPrototypeOf(Rejection.prototype, CodecError.prototype);
+  Rejection.prototype.constructor = CodecError;
+  return Rejection;
+})();
+
 /**
  * The error of a frame that is rejected. It has no stack: a frame of another protocol on the bus is no mistake in a program,
- * and to collect a stack takes longer than to decode a frame. `values` are those in the message, for texts in other languages.
+ * and to collect a stack takes longer than to decode a frame. `describe` returns the message, and the `values` in it, for texts
+ * in other languages; both are made when a program reads them.
  */
-export function rejection(refusal, message, values, field) {
-  const error = Object.create(CodecError.prototype);
-  error.name = "CodecError";
-  error.message = message;
-  error.refusal = refusal;
-  error.values = values;
-  error.field = field;
-  return error;
+export function rejection(refusal, describe, field) {
+  return new Rejection(refusal, describe, field);
 }
 
 const WIDEST_NUMBER = 53;
@@ -38,13 +65,13 @@ export class FieldType {
     this.isFloat = table.encoding === "float";
     this.isSigned = table.encoding === "signed";
     this.isWide = table.width > WIDEST_NUMBER;
+    this.joined = table.text ? new JoinedText(table.text) : table.digits ? new JoinedDigits() : null;
     this.members = table.enum && new Map(table.enum);
     this.values = table.enum && new Map(table.enum.map(([value, name]) => [name, value]));
     const ofNoValue = (table.noValues ?? []).map(([, last, name]) => [name, last]);
     const ofNumbers = (table.names ?? []).map(([raw, name]) => [name, raw]);
     this.named = ofNoValue.length + ofNumbers.length ? new Map([...ofNoValue, ...ofNumbers]) : null;
     const size = 1n << BigInt(table.width);
-    this.size = this.integer(size);
     this.half = this.integer(size / 2n);
     this.low = this.integer(this.isSigned ? -size / 2n : 0n);
     this.high = this.integer(this.isSigned ? size / 2n - 1n : size - 1n);
@@ -55,6 +82,12 @@ export class FieldType {
     this.lastLine = null;
     this.constantLine = isConstant ? this.lineAt(Object.create(null)) : null;
     this.mask = table.flags && [...this.bits.values()].reduce((mask, bit) => mask | bit, 0n);
+  }
+
+  /** What the type is, for tools. */
+  get description() {
+    const { width, encoding, unit = null, enum: members = null, flags = null, linear, range, noValues = null, names = null } = this;
+    return { width, encoding, unit, enum: members, flags, linear, range, noValues, names };
   }
 
   /** An integer as the raw integers of this type are: a BigInt if the type has more than 53 bits. */
@@ -390,10 +423,9 @@ function exactSteps(value, line) {
 
 /** A text in some bytes: it ends before the first 0, and before the padding at its end. An invalid byte is U+FFFD. */
 class JoinedText {
-  constructor([encoding, padding], count) {
+  constructor([encoding, padding]) {
     this.isAscii = encoding === "ascii";
     this.padding = padding;
-    this.count = count;
   }
 
   value(raw) {
@@ -409,16 +441,16 @@ class JoinedText {
     return new TextDecoder("utf-8", { ignoreBOM: true }).decode(bytes);
   }
 
-  raw(value, field) {
+  raw(value, field, count) {
     if (typeof value !== "string") {
       throw new TypeError(`${field} is no text`);
     }
     const raw = [...new TextEncoder().encode(value)];
-    while (raw.length < this.count) {
+    while (raw.length < count) {
       raw.push(this.padding);
     }
-    if (raw.length > this.count || this.value(raw) !== value) {
-      throw new CodecError("out_of_range", `${field} is no text of at most ${this.count} bytes`, field);
+    if (raw.length > count || this.value(raw) !== value) {
+      throw new CodecError("out_of_range", `${field} is no text of at most ${count} bytes`, field);
     }
     return raw;
   }
@@ -426,15 +458,11 @@ class JoinedText {
 
 /** A number in decimal digits, from the most significant one on; null if a digit exceeds 9. */
 class JoinedDigits {
-  constructor(count) {
-    this.count = count;
-  }
-
   value(raw) {
     return raw.some((digit) => digit > 9) ? null : Number(raw.join(""));
   }
 
-  raw(value, field) {
+  raw(value, field, count) {
     if (typeof value !== "number" && typeof value !== "bigint") {
       throw new TypeError(`${field} is no number`);
     }
@@ -442,14 +470,9 @@ class JoinedDigits {
       throw new CodecError("not_finite", `${field} is not a finite number`, field);
     }
     const whole = typeof value === "bigint" ? value : BigInt(rounded(value));
-    if (whole < 0n || whole >= 10n ** BigInt(this.count)) {
-      throw new CodecError("out_of_range", `${field} has more than ${this.count} digits, or is negative`, field);
+    if (whole < 0n || whole >= 10n ** BigInt(count)) {
+      throw new CodecError("out_of_range", `${field} has more than ${count} digits, or is negative`, field);
     }
-    return [...String(whole).padStart(this.count, "0")].map(Number);
+    return [...String(whole).padStart(count, "0")].map(Number);
   }
-}
-
-/** How the elements of a field are one value; null if each has its own. */
-export function joinedBy(type, count) {
-  return type.text ? new JoinedText(type.text, count) : type.digits ? new JoinedDigits(count) : null;
 }

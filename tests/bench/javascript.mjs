@@ -48,7 +48,7 @@ console.log(
   JSON.stringify({
     decode: ratio(overReplies(decode), overReplies((frame) => byHand(frame).node)),
     decodeAnswer: ratio(() => edition.decodeAnswer(asked, REPLIES[0], PARAMETERS).node, decodeStatus),
-    foreign: ratio(() => refused(FOREIGN), decodeStatus),
+    foreign: ratio(() => refused(FOREIGN), overReplies(decode)),
   }),
 );
 

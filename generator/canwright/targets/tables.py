@@ -56,7 +56,7 @@ class EditionTables(Positions, ABC):
         """All tables that do not depend on a language."""
         return {
             "types": [self.type(type_) for type_ in self.types],
-            "layouts": [self._layout(layout) for layout in self.layouts],
+            "layouts": [self.layout(layout) for layout in self.layouts],
             "messages": [self.message(message) for message in self.messages],
             "answers": [self.answer(plan) for plans in exchange_plans(self.edition).values() for plan in plans],
             "explained": [self.messages[message] for message in only_by_request(self.edition)],
@@ -107,21 +107,15 @@ class EditionTables(Positions, ABC):
         }
 
     def message(self, message: Message) -> dict[str, Value]:
-        """A message; `node` are the bits that contain its node if the id does not.
-
-        `frames` are the field with the number of the frame, the first and the last number, if there are several frames.
-        """
+        """A message; `frames` are the field with the number of the frame, the first and the last number, if there are several."""
         sequence = message.sequence
         return {
             "command": message.command,
             "direction": message.direction.value,
-            **_rule(message.id, message.remote, message.id_mask),
+            **id_rule(message.id, message.remote, message.id_mask),
             "length": message.dlc,
-            "only": {name: list(values) for name, values in message.only.items()} or None,
             "keys": [self._key(key) for key in message_plan(message).keys] or None,
             "layout": self.layouts[message.layout],
-            "node": _run(message.node_in_data),
-            "checksum": _checksum(message),
             "frames": [sequence.field, sequence.numbers[0], sequence.numbers[-1]] if sequence else None,
         }
 
@@ -132,12 +126,13 @@ class EditionTables(Positions, ABC):
             "reply": self.messages[exchange.reply],
             "frames": 0 if exchange.is_alternative else exchange.frames if exchange.frames > 1 else None,
             "nodes": list(exchange.nodes) or None,
-            "asked": _run(exchange.asked),
-            "reported": _run(exchange.reported),
+            "asked": run_table(exchange.asked),
+            "reported": run_table(exchange.reported),
             "echo": exchange.is_echo or None,
         }
 
-    def _layout(self, layout: Layout) -> Table:
+    def layout(self, layout: Layout) -> Table:
+        """A layout; `values` are those of the parameter that decides on its fields."""
         return {
             "parameter": layout.parameter,
             "values": [value for variant in layout.variants for value in variant.values] or None,
@@ -147,11 +142,11 @@ class EditionTables(Positions, ABC):
     def _key(self, accepted: AcceptedKey) -> Table:
         """The bits of a key with all accepted values; the first is the one that is sent."""
         values = [self.integer(value, accepted.key.width) for value in accepted.values]
-        return {"segments": _run(accepted.key), "values": values}
+        return {"segments": run_table(accepted.key), "values": values}
 
     def _routes(self, direction: Direction) -> Iterator[Table]:
         for route in dispatch.dispatch_plan(self.edition, direction).routes:
-            yield {**_rule(route.rule, route.remote, route.mask), "plan": self._plan(route.then)}
+            yield {**id_rule(route.rule, route.remote, route.mask), "plan": self._plan(route.then)}
 
     def _plan(self, node: dispatch.DispatchNode) -> Value:
         """The position of a message, the reason for a rejection, or a decision."""
@@ -169,29 +164,11 @@ def _subject(subject: dispatch.Discriminator) -> Value:
         return "length"
     if isinstance(subject, dispatch.MaskedId):
         return {"mask": subject.mask}
-    return _run(subject)
+    return run_table(subject)
 
 
-def _checksum(message: Message) -> Table | None:
-    """The checksum as `ChecksumPlan` has it, with the position of its field; each input is bits of the frame or a constant."""
-    step = message_plan(message).checksum
-    if step is None:
-        return None
-    plan = step.checksum
-    return {
-        "field": message.layout.fields.index(step.field),
-        "arithmetic": plan.arithmetic.value,
-        "width": plan.width,
-        "poly": plan.poly or None,
-        "init": plan.init or None,
-        "reflected": plan.is_reflected or None,
-        "shift": plan.shift or None,
-        "xor": plan.xor_out or None,
-        "inputs": [part if isinstance(part, int) else segments(part.segments, part.space) for part in plan.inputs],
-    }
-
-
-def _run(bits: BitRun | None) -> Value:
+def run_table(bits: BitRun | None) -> Value:
+    """Bits that are read as one integer."""
     return None if bits is None else segments(bits.segments, bits.space)
 
 
@@ -200,7 +177,8 @@ def segments(of: Iterable[Segment], space: Space) -> list[Value]:
     return [[ID if space is Space.ID else s.byte, s.low, s.width, s.raw_low] for s in of]
 
 
-def _rule(rule: IdRule, remote: bool, mask: int) -> dict[str, Value]:
+def id_rule(rule: IdRule, remote: bool, mask: int) -> dict[str, Value]:
+    """The ids of messages as a table; `mask` are the bits that keys and fields fill."""
     return {
         "base": rule.base,
         "step": rule.node_step if rule.node_step != 1 else None,

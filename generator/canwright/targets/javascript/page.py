@@ -19,8 +19,8 @@ from ..nested_source import Code, Value
 from ..registry import own_targets
 from ..tables import Positions
 from . import text
+from .module import HELPERS, functions_source
 from .package import RUNTIME
-from .tables import JavaScriptTables
 from .titles import titles
 
 
@@ -33,9 +33,9 @@ class EditionSpec:
         self.header = visible(header(self.edition))
 
     @cached_property
-    def tables(self) -> str:
-        """The tables that the runtime interprets."""
-        return text.printed(JavaScriptTables(self.edition).view())
+    def functions(self) -> str:
+        """The functions, which its module and the page have."""
+        return functions_source(self.edition)
 
     @cached_property
     def texts(self) -> str:
@@ -65,14 +65,25 @@ def explorer(sources: Sequence[EditionSpec]) -> Iterator[Output]:
     for script in _SCRIPTS:
         yield Output(f"{FOLDER}/{script}", f"// {_NOTE}\n{(_SOURCES / script).read_text('utf-8')}")
     for path, source in zip(paths, sources, strict=True):
-        yield Output(f"{FOLDER}/{path}", f"// {source.header}\n\ncanwright.editions.push({_parts(source)});\n")
+        template = env.get_template("explorer_edition.js.j2")
+        yield Output(f"{FOLDER}/{path}", template.render(source=source, helpers=HELPERS, parts=_parts(source)))
 
 
 def _parts(source: EditionSpec) -> str:
-    """The modules of an edition as properties of an object, and the names in other languages."""
-    modules = {"tables": source.tables, "texts": source.texts}
-    indented: dict[str, Value] = {name: Code(module.replace("\n", "\n  ")) for name, module in modules.items()}
-    return text.printed({**indented, "bindings": bindings(source.edition), "pages": _pages(source.edition) or None})
+    """The properties of an edition: its functions, its titles, and the names in other languages."""
+    edition = source.edition
+    answered = {
+        c.name: c.reply.command for c in edition.commands if c.request and c.reply and c.reply.command != c.name
+    }
+    return text.printed(
+        {
+            "codec": Code("edition"),
+            "texts": Code(source.texts.replace("\n", "\n  ")),
+            "bindings": bindings(edition),
+            "pages": _pages(edition) or None,
+            "answered": answered or None,
+        }
+    )
 
 
 def _pages(edition: Edition) -> dict[str, Value]:
@@ -85,7 +96,7 @@ def _classic_codec() -> str:
     """The modules of the runtime as one script, which defines `canwright`."""
     sources = [(RUNTIME / name).read_text("utf-8") for name in _MODULES]
     plain = (re.sub(r"^import .*;\n|^export \{.*\};\n|^export ", "", source, flags=re.MULTILINE) for source in sources)
-    names = f"CodecError, createEdition, rational, MAX_DATA_BYTES: {MAX_DATA_BYTES}, editions: []"
+    names = f"CodecError, rational, {HELPERS}, MAX_DATA_BYTES: {MAX_DATA_BYTES}, editions: []"
     return f'"use strict";\n\nconst canwright = (() => {{\n{"".join(plain)}\nreturn {{ {names} }};\n}})();\n'
 
 

@@ -1,12 +1,12 @@
-"""The tables of an edition as the runtime interprets them."""
+"""What an edition states of its types, layouts and messages, as tables."""
 
 from __future__ import annotations
 
-from ...model.message import Confusion, Message
+from ...model.message import Message
 from ...model.types import Bound, Linear, Parameter, Type
 from ...semantics.valid_raws import FiniteFloats, RawInterval, ValidRaws, valid_raws, width_limits
 from ..nested_source import Table, Value
-from ..tables import EditionTables, segments
+from ..tables import EditionTables
 from . import text
 
 
@@ -14,19 +14,6 @@ class JavaScriptTables(EditionTables):
     """Integers of more than 53 bits are BigInt; ranges and scales are exact."""
 
     unknown = text.NULL
-
-    def view(self) -> Table:
-        """The argument of `createEdition`."""
-        edition = self.edition
-        within = edition.bus.reply_within_ms
-        return {
-            "family": edition.family,
-            "edition": edition.name,
-            "hash": edition.hash,
-            "replyWithin": text.NULL if within is None else text.double(within),
-            "parameters": {p.name: _parameter(p) for p in edition.parameters},
-            **self.tables(),
-        }
 
     def integer(self, raw: int, width: int) -> Value:
         return text.integer(raw, width)
@@ -45,26 +32,16 @@ class JavaScriptTables(EditionTables):
         }
 
     def message(self, message: Message) -> dict[str, Value]:
-        sending, confusions = message.sending, list(map(self._confusion, message.confusions)) or None
-        if sending is None:
-            return {**super().message(message), "confusions": confusions}
-        times = {"everyMs": sending.every_ms, "timeoutMs": sending.timeout_ms}
-        return {
-            **super().message(message),
-            "confusions": confusions,
-            "sent": [occasion.value for occasion in sending.occasions] or None,
-            **{name: None if time is None else text.double(time) for name, time in times.items()},
-        }
-
-    def _confusion(self, confusion: Confusion) -> Table:
-        conditions: list[Value] = [
-            {
-                "segments": segments(run.segments, run.space),
-                "values": [self.integer(value, run.width) for value in values],
-            }
-            for run, values in confusion.conditions
-        ]
-        return {"command": confusion.command, "conditions": conditions}
+        """What a message is; its functions decide the rest."""
+        sending, sequence = message.sending, message.sequence
+        table: dict[str, Value] = {**super().message(message), "frames": None}
+        if sequence is not None:
+            table["frames"] = {"field": sequence.field, "first": sequence.numbers[0], "last": sequence.numbers[-1]}
+        if sending is not None:
+            times = {"everyMs": sending.every_ms, "timeoutMs": sending.timeout_ms}
+            table["sent"] = [occasion.value for occasion in sending.occasions] or None
+            table |= {name: None if time is None else text.double(time) for name, time in times.items()}
+        return table
 
     def linear(self, linear: Linear) -> Value:
         factor, addend, divisor = linear.as_quotient
@@ -78,7 +55,8 @@ class JavaScriptTables(EditionTables):
         }
 
 
-def _parameter(parameter: Parameter) -> Table:
+def parameter_table(parameter: Parameter) -> Table:
+    """The values of a choice, or the limits of a number."""
     if parameter.is_choice:
         return {"values": [value.name for value in parameter.values]}
     return {

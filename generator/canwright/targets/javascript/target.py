@@ -15,6 +15,7 @@ from ..base import EditionInput, NameProblem, Output, Target
 from ..options import NO_OPTIONS, Options, TargetOption
 from . import declarations, text
 from .example import example
+from .module import module
 from .package import RUNTIME, TEXTS, import_name, index, module_path, package, package_name
 from .page import EditionSpec, explorer
 
@@ -79,8 +80,8 @@ class JavaScriptTarget(Target):
         sources = [EditionSpec(item) for item in specifications]
         for source in sources:
             path, first = module_path(source.edition), source.header
-            module, types = env.get_template("edition.js.j2"), env.get_template("edition.d.ts.j2")
-            yield Output(f"{path}.js", module.render(header=first, edition=source.edition, tables=source.tables))
+            types = env.get_template("edition.d.ts.j2")
+            yield Output(f"{path}.js", module(source.edition, first, source.functions))
             yield Output(f"{path}.d.ts", types.render(header=first, **_declared(source.edition)))
             texts, types = env.get_template("texts.js.j2"), env.get_template("texts.d.ts.j2")
             yield Output(f"{path}{TEXTS}.js", texts.render(header=first, titles=source.texts))

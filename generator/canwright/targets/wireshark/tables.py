@@ -13,7 +13,7 @@ from ...semantics.exchange import ExchangePlan
 from ...semantics.plan import message_plan
 from ...semantics.valid_raws import RawInterval, valid_raws
 from ..nested_source import Code, Table, Value
-from ..tables import EditionTables
+from ..tables import EditionTables, run_table, segments
 from . import text
 
 
@@ -60,8 +60,16 @@ class LuaTables(EditionTables):
         return {**super().field(field), "label": text.english(field.title) or formatting.spoken(field.name)}
 
     def message(self, message: Message) -> dict[str, Value]:
+        """A message; `node` are the bits that contain its node if the id does not."""
         sending = formatting.sending(message.sending) if message.sending else None
-        return {**super().message(message), "reserved": list(_reserved(message)), "sending": sending}
+        return {
+            **super().message(message),
+            "only": {name: list(values) for name, values in message.only.items()} or None,
+            "node": run_table(message.node_in_data),
+            "checksum": _checksum(message),
+            "reserved": list(_reserved(message)),
+            "sending": sending,
+        }
 
     def answer(self, exchange: ExchangePlan) -> dict[str, Value]:
         return {
@@ -108,3 +116,22 @@ def _runs(mask: int) -> Iterator[tuple[int, int]]:
             low += width
         else:
             low += 1
+
+
+def _checksum(message: Message) -> Table | None:
+    """The checksum as `ChecksumPlan` has it, with the position of its field; each input is bits of the frame or a constant."""
+    step = message_plan(message).checksum
+    if step is None:
+        return None
+    plan = step.checksum
+    return {
+        "field": message.layout.fields.index(step.field),
+        "arithmetic": plan.arithmetic.value,
+        "width": plan.width,
+        "poly": plan.poly or None,
+        "init": plan.init or None,
+        "reflected": plan.is_reflected or None,
+        "shift": plan.shift or None,
+        "xor": plan.xor_out or None,
+        "inputs": [part if isinstance(part, int) else segments(part.segments, part.space) for part in plan.inputs],
+    }

@@ -2,14 +2,10 @@
 
 /** What frames can mean, without a page: all messages that fit, in the order of their probability. */
 canwright.meaning = (() => {
-  const editions = canwright.editions.map(({ tables, texts, bindings, pages = {} }) => {
-    const codec = canwright.createEdition(tables);
+  const editions = canwright.editions.map(({ codec, texts, bindings, pages = {}, answered = {} }) => {
     const messages = new Map(codec.MESSAGES.map((message) => [`${message.direction} ${message.command}`, message]));
-    for (const { request, reply } of tables.answers) {
-      const key = `reply ${codec.MESSAGES[request].command}`;
-      if (!messages.has(key)) {
-        messages.set(key, codec.MESSAGES[reply]);
-      }
+    for (const [command, reply] of Object.entries(answered)) {
+      messages.set(`reply ${command}`, messages.get(`reply ${reply}`));
     }
     return { name: texts.edition, family: texts.family, codec, texts, bindings, pages, messages };
   });

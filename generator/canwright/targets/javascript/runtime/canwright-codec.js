@@ -1,7 +1,7 @@
-/** Identifies, decodes and encodes frames with the tables of one edition. */
+/** What the generated functions of editions share: checks of frames and of what is given, and messages. */
 
 import { rational } from "./canwright-numbers.js";
-import { CodecError, FieldType, joinedBy, own, rejection } from "./canwright-types.js";
+import { CodecError, FieldType, own, rejection } from "./canwright-types.js";
 
 export { CodecError };
 
@@ -16,7 +16,6 @@ export function countSteps([first, last], previous, value) {
   return isWithin ? (value - previous + last - first + 1) % (last - first + 1) : 0;
 }
 
-const ID = -1; // the `byte` of a segment in the CAN id
 const NOTHING = /* @__PURE__ */ Object.freeze(/* @__PURE__ */ Object.create(null));
 
 /** The counters of one sender: those of each message to or from each node increase separately. */
@@ -50,28 +49,27 @@ export class Numbering {
 }
 
 /** The functions of an edition; see `Edition` in canwright-codec.d.ts for its members. */
-export function createEdition(tables) {
-  const codec = new Codec(tables);
-  const directions = { request: codec.router("request", tables.requests), reply: codec.router("reply", tables.replies) };
+export function createEdition(parts) {
+  const codec = new Codec(parts);
   const edition = {
-    FAMILY: tables.family,
-    EDITION: tables.edition,
-    SPEC_HASH: tables.hash,
-    REPLY_WITHIN_MS: tables.replyWithin,
-    PARAMETERS: frozen(tables.parameters),
-    MESSAGES: frozen(codec.messages.map((message) => message.description)),
-    decodeRequest: (frame, parameters) => codec.decode(directions.request, frame, parameters),
-    decodeReply: (frame, parameters) => codec.decode(directions.reply, frame, parameters),
+    FAMILY: parts.family,
+    EDITION: parts.edition,
+    SPEC_HASH: parts.hash,
+    REPLY_WITHIN_MS: parts.replyWithin,
+    PARAMETERS: frozen(parts.parameters),
+    MESSAGES: frozen(parts.messages.map((message) => message.description)),
+    decodeRequest: codec.decoder("request"),
+    decodeReply: codec.decoder("reply"),
     decodeAs: (direction, command, frame, parameters) => codec.decodeAs(direction, command, frame, parameters),
     decodeAnswer: (request, given, parameters) => {
       const [frame, known] = [checkedFrame(given), codec.known(parameters)];
-      return codec.fields(codec.answer(directions.request, request.frame, frame, known), frame, known);
+      return codec.answer(request.frame, frame, known).decode(frame, known);
     },
     join: (replies, field, last) => codec.join(replies, field, last),
     checkReply: (request, reply, parameters) => {
-      codec.answer(directions.request, request, checkedFrame(reply), codec.known(parameters));
+      codec.answer(request, checkedFrame(reply), codec.known(parameters));
     },
-    candidates: (frame, parameters) => codec.candidates(directions, frame, codec.known(parameters)),
+    candidates: (frame, parameters) => codec.candidates(frame, codec.known(parameters)),
     rawOf: (direction, command, field, value, parameters) => codec.rawOf(direction, command, field, value, parameters),
     allows: (direction, command, field, raw, parameters) => codec.allows(direction, command, field, raw, parameters),
     encodeRequest: (command, given) => codec.encode("request", command, given),
@@ -81,51 +79,36 @@ export function createEdition(tables) {
 }
 
 class Codec {
-  constructor(tables) {
-    this.tables = tables;
-    const types = tables.types.map((type) => new FieldType(type));
-    this.layouts = tables.layouts.map((layout) => new Layout(layout, types));
-    this.messages = tables.messages.map((message) => new Message(message, this.layouts[message.layout]));
+  constructor({ family, edition, parameters, messages, explained, answers, requests, replies }) {
+    Object.assign(this, { parameters, explained });
+    const routes = (each) => each.map((route) => ({ rule: new IdRule(route.rule), message: route.message }));
+    this.routes = { request: routes(requests), reply: routes(replies) };
     this.ofCommand = { request: new Map(), reply: new Map() };
-    for (const message of this.messages) {
+    for (const message of messages) {
+      Object.assign(message, { family, edition });
       this.ofCommand[message.direction].set(message.command, message);
     }
-    this.given = NOTHING; // the parameters of the last call, and what `known` made of them
+    this.names = []; // of the parameters of the last call, with their values, and what `known` made of them
+    this.values = [];
     this.lastKnown = NOTHING;
-    this.answers = new Map();
-    for (const { request, reply, nodes = [], asked = null, reported = null, echo = false } of tables.answers) {
-      const bits = { asked: asked && new Bits(asked), reported: reported && new Bits(reported) };
-      const { command } = this.messages[request];
-      const plan = { reply: this.messages[reply], nodes, ...bits, echo };
-      const plans = this.answers.get(this.messages[request]);
-      if (plans) {
-        plans.push(plan);
-      } else {
-        this.answers.set(this.messages[request], [plan]);
-        this.ofCommand.reply.set(command, this.messages[reply]);
+    this.answers = new Map(messages.map((message) => [message, []]));
+    for (const plan of answers) {
+      const plans = this.answers.get(plan.request);
+      if (!plans.length) {
+        this.ofCommand.reply.set(plan.request.command, plan.reply);
       }
+      plans.push(plan);
     }
   }
 
-  router(direction, routes) {
-    const plan = (node) => {
-      if (typeof node === "string") {
-        return new Reject(node);
-      }
-      if (typeof node === "number") {
-        return this.messages[node];
-      }
-      const cases = new Map(node.cases.flatMap(([values, then]) => values.map((value) => [value, plan(then)])));
-      return new Select(node.on, cases, plan(node.otherwise));
-    };
-    return { direction, routes: routes.map((route) => ({ rule: new IdRule(route), mask: route.mask ?? 0, plan: plan(route.plan) })) };
-  }
-
-  /** Parameters as the tables have them; the same object for equal ones. Throws TypeError for an unknown one, RangeError for a value that it cannot have. */
+  /** Parameters as the functions of messages need them; the same object for equal ones. Throws TypeError for an unknown one, RangeError for a value that it cannot have. */
   known(parameters = NOTHING) {
-    if (!haveEqualItems(parameters, this.given)) {
+    const names = Object.keys(parameters);
+    const isSame = (name, i) => name === this.names[i] && parameters[name] === this.values[i];
+    if (names.length !== this.names.length || !names.every(isSame)) {
       this.lastKnown = this.checked(parameters);
-      this.given = { ...parameters };
+      this.names = names;
+      this.values = Object.values(parameters);
     }
     return this.lastKnown;
   }
@@ -133,7 +116,7 @@ class Codec {
   checked(parameters) {
     const known = Object.create(null); // a parameter can have the name of a property of every object
     for (const [name, value] of Object.entries(parameters)) {
-      const parameter = own(this.tables.parameters, name);
+      const parameter = own(this.parameters, name);
       if (!parameter) {
         throw new TypeError(`there is no parameter ${JSON.stringify(name)}`);
       }
@@ -144,31 +127,31 @@ class Codec {
     return Object.freeze(known);
   }
 
-  /** The message of a frame. Throws CodecError if it is none. */
-  identify(router, frame, parameters) {
-    const route = router.routes.find(({ rule, mask }) => rule.node(frame, mask, parameters) !== undefined);
-    if (!route) {
-      const unknown = router.routes.find(({ rule }) => rule.isOfKind(frame) && rule.offset(parameters) === undefined);
-      if (unknown) {
-        throw rejection("missing_parameter", `${hex(frame.id)} may be an id with the parameter ${unknown.rule.parameter}, which is not given`, []);
+  /** The message of a frame, or the error if it is none. */
+  identify(direction, frame, parameters) {
+    const routes = this.routes[direction];
+    for (const { rule, message } of routes) {
+      if (rule.node(frame, parameters) !== undefined) {
+        return message(frame);
       }
-      const kind = (frame.extended ? "29-bit " : "") + (frame.remote ? "remote " : "");
-      const digits = frame.id.toString(16).toUpperCase().padStart(frame.extended ? 8 : 3, "0");
-      throw rejection("unknown_id", `no ${router.direction} has the ${kind}id ${hex(frame.id)}`, [`0x${digits}${frame.remote ? " RTR" : ""}`]);
     }
-    let step = route.plan;
-    while (step instanceof Select) {
-      step = step.next(step.read(frame));
+    const unknown = routes.find(({ rule }) => rule.isOfKind(frame) && rule.offset(parameters) === undefined);
+    if (unknown) {
+      return rejection("missing_parameter", () => [`${hex(frame.id)} may be an id with the parameter ${unknown.rule.parameter}, which is not given`]);
     }
-    if (step instanceof Reject) {
-      throw step.error(router.direction, frame, route.plan);
-    }
-    return step;
+    return unknownId(direction, frame);
   }
 
-  decode(router, given, parameters) {
-    const [frame, known] = [checkedFrame(given), this.known(parameters)];
-    return this.fields(this.identify(router, frame, known), frame, known);
+  /** The function that decodes frames of one direction. It throws errors itself: each call between takes time. */
+  decoder(direction) {
+    return (given, parameters) => {
+      const [frame, known] = [checkedFrame(given), this.known(parameters)];
+      const message = this.identify(direction, frame, known);
+      if (message instanceof CodecError) {
+        throw message;
+      }
+      return message.decode(frame, known);
+    };
   }
 
   decodeAs(direction, command, given, parameters) {
@@ -176,23 +159,9 @@ class Codec {
     const [message, known] = [this.message(direction, command), this.known(parameters)];
     const wrong = message.difference(frame, known);
     if (wrong) {
-      throw rejection(wrong.refusal, wrong.text, []);
+      throw rejection(wrong.refusal, () => [wrong.text]);
     }
-    return this.fields(message, frame, known);
-  }
-
-  /** The message of a frame with its fields. Throws CodecError for a wrong constant or checksum, or if the fields are unknown. */
-  fields(message, frame, parameters) {
-    message.check(frame, parameters);
-    const variant = message.variant(parameters);
-    for (const field of variant.parametric) {
-      checkConstant(field, field.required(parameters), frame);
-    }
-    const raw = { ...variant.unfilled };
-    for (const field of variant.fields) {
-      raw[field.name] = field.read(frame);
-    }
-    return new MessageResult(this.tables, message, message.nodeOf(frame, parameters), frame, raw, parameters);
+    return message.decode(frame, known);
   }
 
   message(direction, command) {
@@ -203,23 +172,9 @@ class Codec {
     return message;
   }
 
-  encode(direction, command, { node = null, values, raw, code, parameters } = NOTHING) {
-    const message = this.message(direction, command);
-    const known = this.known(parameters);
-    message.checkAvailable(known);
-    message.checkCode(code);
-    message.rule.check(node, known, command);
-    const { fields } = message.variant(known);
-    const given = values ?? raw ?? NOTHING;
-    const wrong = Object.keys(given).length !== fields.length || fields.some(({ name }) => !Object.hasOwn(given, name));
-    if (wrong || (values && raw)) {
-      const names = fields.map(({ name }) => name).join(", ") || "no fields";
-      throw new TypeError(`the ${direction} of ${command} needs values, or raw integers, of: ${names}`);
-    }
-    const raws = Object.fromEntries(fields.map((field) => [field.name, field.given(given[field.name], known, values !== undefined)]));
-    const frame = message.write(node, raws, code, known);
-    message.checkMeaning(frame);
-    return new MessageResult(this.tables, message, message.nodeOf(frame, known), frame, raws, known);
+  encode(direction, command, content = NOTHING) {
+    const [message, known] = [this.message(direction, command), this.known(content.parameters)];
+    return message.decode(message.write(new Given(message, content, known), known), known);
   }
 
   rawOf(direction, command, name, value, parameters) {
@@ -229,12 +184,11 @@ class Codec {
 
   allows(direction, command, name, raw, parameters) {
     const known = this.known(parameters);
-    const { type } = this.field(direction, command, name, known);
-    return [raw].flat().every((element) => type.allows(element, known));
+    return this.field(direction, command, name, known).allows(raw, known);
   }
 
   field(direction, command, name, known) {
-    const field = this.message(direction, command).variant(known).fields.find((candidate) => candidate.name === name);
+    const field = this.message(direction, command).fields(known).find((candidate) => candidate.name === name);
     if (!field) {
       throw new TypeError(`the ${direction} of ${command} has no field ${JSON.stringify(name)}`);
     }
@@ -242,20 +196,22 @@ class Codec {
   }
 
   /** The message that a frame is as the reply to a request. Throws CodecError if it is none. */
-  answer(requests, givenRequest, frame, parameters) {
+  answer(givenRequest, frame, parameters) {
     const request = checkedFrame(givenRequest);
-    const message = this.identify(requests, request, parameters);
-    message.check(request, NOTHING);
-    const plans = this.answers.get(message);
-    if (!plans) {
-      throw notAnswer(`${message.command} has no reply`);
+    const message = this.identify("request", request, parameters);
+    if (message instanceof CodecError) {
+      throw message;
     }
-    const reasons = plans.map((plan) => reasonAgainst(plan, message, request, frame, parameters));
-    const number = reasons.indexOf("");
-    if (number < 0) {
-      throw notAnswer(reasons[0]);
+    message.check(request);
+    let first;
+    for (const plan of this.answers.get(message)) {
+      const reason = reasonAgainst(plan, request, frame, parameters);
+      if (reason === "") {
+        return plan.reply;
+      }
+      first ??= reason;
     }
-    return plans[number].reply;
+    throw rejection("not_answer", () => [first ?? `${message.command} has no reply`]);
   }
 
   /** The values of a field of a reply of several frames, in the order of their numbers; those of arrays in one array. */
@@ -274,39 +230,13 @@ class Codec {
     return numbers.flatMap((number) => byNumber.get(number).values[field]);
   }
 
-  candidates(directions, given, parameters) {
+  candidates(given, parameters) {
     const frame = checkedFrame(given);
-    const candidates = [];
-    const add = (message) => {
-      if (!candidates.includes(message)) {
-        candidates.push(message);
-      }
-    };
-    const identify = (router) => {
-      try {
-        add(this.identify(router, frame, parameters));
-      } catch (error) {
-        if (!(error instanceof CodecError)) {
-          throw error;
-        }
-      }
-    };
-    identify(directions.reply);
-    for (const index of this.tables.explained) {
-      if (!this.messages[index].difference(frame, parameters)) {
-        add(this.messages[index]);
-      }
-    }
-    identify(directions.request);
-    return Object.freeze(candidates.map((message) => Object.freeze({ direction: message.direction, command: message.command, node: message.nodeOf(frame, parameters) })));
+    const explained = this.explained.filter((message) => !message.difference(frame, parameters));
+    const found = [this.identify("reply", frame, parameters), ...explained, this.identify("request", frame, parameters)];
+    const candidates = new Set(found.filter((message) => message instanceof Definition));
+    return Object.freeze(Array.from(candidates, (message) => Object.freeze({ direction: message.direction, command: message.command, node: message.nodeOf(frame, parameters) })));
   }
-}
-
-/** Whether two objects have the same names with the same values, in the same order. */
-function haveEqualItems(left, right) {
-  const names = Object.keys(left);
-  const others = Object.keys(right);
-  return names.length === others.length && names.every((name, i) => name === others[i] && left[name] === right[name]);
 }
 
 function choice(parameter, name, value) {
@@ -330,7 +260,7 @@ function number({ minimum = null, maximum = null, whole = false }, name, value) 
 }
 
 /** Why a frame is not a reply to a request; empty if it is. */
-function reasonAgainst({ reply, nodes: repliers, asked, reported, echo }, message, request, frame, parameters) {
+function reasonAgainst({ request: message, reply, nodes: repliers = [], asked, reported, echo }, request, frame, parameters) {
   const wrong = reply.difference(frame, parameters);
   if (wrong) {
     return wrong.text;
@@ -338,12 +268,12 @@ function reasonAgainst({ reply, nodes: repliers, asked, reported, echo }, messag
   const to = asked ? asked.read(request) : message.node(request, parameters);
   const mask = asked ? asked.mask : -1n;
   const nodes = repliers.length ? repliers : to === null ? [] : [to];
-  const isFrom = (source, bits) =>
-    source === null || !nodes.length || nodes.some((node) => !((BigInt(source) ^ BigInt(node)) & bits));
-  const sources = [[reply.node(frame, parameters), mask], ...(reported ? [[reported.read(frame), mask & reported.mask]] : [])];
-  const unexpected = sources.find(([source, bits]) => !isFrom(source, bits));
-  if (unexpected) {
-    return `it comes from node ${unexpected[0]}, not ${nodes.join(" or ")}`;
+  const source = reply.node(frame, parameters);
+  if (!isFrom(nodes, source, mask)) {
+    return `it comes from node ${source}, not ${nodes.join(" or ")}`;
+  }
+  if (reported && !isFrom(nodes, reported.read(frame), mask & reported.mask)) {
+    return `it comes from node ${reported.read(frame)}, not ${nodes.join(" or ")}`;
   }
   if (echo && !(request.data.length === frame.data.length && request.data.every((byte, i) => byte === frame.data[i]))) {
     return `the reply of ${message.command} is an echo, but this frame differs from the request`;
@@ -351,8 +281,9 @@ function reasonAgainst({ reply, nodes: repliers, asked, reported, echo }, messag
   return "";
 }
 
-function notAnswer(text) {
-  return rejection("not_answer", text, []);
+/** Whether a node is one of several in some bits, as far as it is known. */
+function isFrom(nodes, source, mask) {
+  return source === null || !nodes.length || nodes.some((node) => source === node || !((BigInt(source) ^ BigInt(node)) & mask));
 }
 
 /** A copy of a frame with all its parts. Throws TypeError if it is none. */
@@ -360,10 +291,9 @@ function checkedFrame({ id, data: given = [], extended = false, remote = false }
   const isBuffer = given?.length === undefined && given?.byteLength !== undefined; // an ArrayBuffer or a DataView
   const data = isBuffer ? new Uint8Array(given.buffer ?? given, given.byteOffset ?? 0, given.byteLength) : given;
   let isFrame = Number.isInteger(id) && id >= 0 && id < 2 ** 29 && Number.isInteger(data?.length);
-  const bytes = [];
-  for (let i = 0; i < data?.length; i++) {
-    isFrame = isFrame && Number.isInteger(data[i]) && data[i] >= 0 && data[i] < 256;
-    bytes.push(data[i]);
+  const bytes = Array.isArray(data) ? [...data] : isFrame ? copied(data) : [];
+  for (const byte of bytes) {
+    isFrame = isFrame && (byte & 0xff) === byte;
   }
   if (!isFrame) {
     throw new TypeError("a frame has an id of at most 29 bits, and bytes as data");
@@ -371,57 +301,17 @@ function checkedFrame({ id, data: given = [], extended = false, remote = false }
   return { id, data: bytes, extended: Boolean(extended), remote: Boolean(remote) };
 }
 
+/** An array of what is no array: each kind has its own loop, which is faster. */
+function copied(data) {
+  const bytes = new Array(data.length);
+  for (let i = 0; i < data.length; i++) {
+    bytes[i] = data[i];
+  }
+  return bytes;
+}
+
 function hex(value) {
   return `0x${value.toString(16).toUpperCase()}`;
-}
-
-const LOW_BITS = 24; // with the 29 bits that a segment of the id has at most, 53
-
-/** Some bits of a frame that are an unsigned integer; a BigInt above 53 bits. Bytes beyond the data count as 0. */
-class Bits {
-  constructor(segments) {
-    this.segments = segments;
-    this.width = Math.max(...segments.map(([, , count, rawLow]) => rawLow + count));
-    this.mask = (1n << BigInt(this.width)) - 1n;
-    this.isWide = this.width > 53;
-    const isLow = ([, , , rawLow]) => !this.isWide || rawLow < LOW_BITS;
-    this.low = partsOf(segments.filter(isLow), 0);
-    this.high = partsOf(segments.filter((segment) => !isLow(segment)), LOW_BITS);
-  }
-
-  read(frame) {
-    const low = joined(this.low, frame);
-    return this.isWide ? (BigInt(joined(this.high, frame)) << BigInt(LOW_BITS)) + BigInt(low) : low;
-  }
-
-  /** The id with the bits of an integer; those in the data are written to `data`. */
-  write(raw, id, data) {
-    const unsigned = BigInt.asUintN(this.width, BigInt(raw));
-    let filled = id;
-    for (const [byte, low, count, rawLow] of this.segments) {
-      const part = Number((unsigned >> BigInt(rawLow)) & ((1n << BigInt(count)) - 1n)) * 2 ** low;
-      if (byte === ID) {
-        filled |= part;
-      } else if (byte < data.length) {
-        data[byte] |= part;
-      }
-    }
-    return filled;
-  }
-}
-
-/** Parts of an integer: where the bits are, and their weight in an integer without its lowest bits. */
-function partsOf(segments, lowest) {
-  return segments.map(([byte, low, count, rawLow]) => ({ byte, low, ones: 2 ** count - 1, weight: 2 ** (rawLow - lowest) }));
-}
-
-function joined(parts, { id, data }) {
-  let raw = 0;
-  for (const { byte, low, ones, weight } of parts) {
-    const source = byte === ID ? id : byte < data.length ? data[byte] : 0;
-    raw += ((source >>> low) & ones) * weight;
-  }
-  return raw;
 }
 
 /** The value of a parameter in an id or a constant; undefined if it is not given. */
@@ -434,9 +324,10 @@ function whole(parameters, name) {
   return Number(numerator / denominator);
 }
 
+/** The ids of messages; `mask` are bits of keys and fields. */
 class IdRule {
-  constructor({ base, step = 1, parameter = null, times = 1, nodes = null, extended = false, remote = false }) {
-    Object.assign(this, { base, step, parameter, times, nodes, extended, remote });
+  constructor({ base, step = 1, parameter = null, times = 1, nodes = null, extended = false, remote = false, mask = 0 }) {
+    Object.assign(this, { base, step, parameter, times, nodes, extended, remote, mask });
   }
 
   isOfKind(frame) {
@@ -449,152 +340,48 @@ class IdRule {
     return value === undefined ? undefined : value * this.times;
   }
 
-  /** The node of a frame, null for a fixed id, undefined if the id is not of this rule; `mask` are bits of keys and fields. */
-  node(frame, mask, parameters) {
+  /** The node of a frame, null for a fixed id, undefined if the id is not of this rule. */
+  node(frame, parameters) {
     const offset = this.isOfKind(frame) ? this.offset(parameters) : undefined;
     if (offset === undefined) {
       return undefined;
     }
-    const rest = (frame.id & ~mask) - this.base - offset;
+    const rest = (frame.id & ~this.mask) - this.base - offset;
     if (!this.nodes) {
       return rest === 0 ? null : undefined;
     }
     const node = rest / this.step;
     return Number.isInteger(node) && node >= this.nodes[0] && node <= this.nodes[1] ? node : undefined;
   }
-
-  /** Throws TypeError without a node, CodecError if there is no such node, or if the parameter in the id is not given. */
-  check(node, parameters, command) {
-    if (this.nodes && !Number.isInteger(node)) {
-      throw new TypeError(`${command} needs a node from ${this.nodes.join("..")}`);
-    }
-    if (this.nodes && !(node >= this.nodes[0] && node <= this.nodes[1])) {
-      throw new CodecError("unknown_node", `there is no node ${node}; nodes are ${this.nodes.join("..")}`, "node");
-    }
-    if (this.offset(parameters) === undefined) {
-      throw new CodecError("missing_parameter", `the id of ${command} contains ${this.parameter}, which is not given`);
-    }
-  }
 }
 
-class Select {
-  constructor(on, cases, otherwise) {
-    Object.assign(this, { on, cases, otherwise });
-    this.isLength = on === "length";
-    this.bits = Array.isArray(on) ? new Bits(on) : null;
-  }
-
-  read(frame) {
-    if (this.isLength) {
-      return frame.data.length;
-    }
-    return this.bits ? this.bits.read(frame) : frame.id & this.on.mask;
-  }
-
-  next(value) {
-    return this.cases.get(value) ?? this.otherwise;
-  }
-}
-
-class Reject {
-  constructor(reason) {
-    this.reason = reason;
-  }
-
-  error(direction, frame, plan) {
-    const path = [];
-    for (let step = plan; step instanceof Select; step = step.next(step.read(frame))) {
-      path.push([step, step.read(frame)]);
-    }
-    if (this.reason === "wrong_length") {
-      const [select] = path.findLast(([select]) => select.isLength);
-      const lengths = [...select.cases.keys()];
-      const text = `${hex(frame.id)} has ${frame.data.length} data bytes, not ${lengths.join(" or ")}`;
-      return rejection(this.reason, text, [hex(frame.id), frame.data.length, lengths]);
-    }
-    if (this.reason === "unknown_code") {
-      const codes = path.filter(([select]) => select.bits).map(([, value]) => hex(value));
-      const text = `no ${direction} on ${hex(frame.id)} has the code ${codes.join(" and ")}`;
-      return rejection(this.reason, text, [hex(frame.id), codes]);
-    }
-    return rejection(this.reason, `${hex(frame.id)} has bits that are 0 in the ids of this message`, [hex(frame.id)]);
-  }
-}
-
+/** The fields of messages; `values` are those of the parameter under which they are known. */
 class Layout {
   constructor({ parameter = null, values = [], fields }, types) {
     this.parameter = parameter;
     this.values = values;
     this.every = fields.map((field) => new Field(field, types[field.type]));
-    this.common = new Variant(this.every.filter(({ only }) => only === null));
-    this.variants = new Map(values.map((value) => [value, new Variant(this.every.filter((field) => field.exists(value)))]));
-  }
-
-  /** The fields under some parameters; null if they are unknown. */
-  variant(parameters) {
-    return this.parameter === null ? this.common : (this.variants.get(parameters[this.parameter]) ?? null);
   }
 }
 
-/**
- * The fields that a message has at the same time; `fields` are those that vary, `parametric` the constants that are parameters.
- * A copy of `unfilled` is filled faster than a new object.
- */
-class Variant {
-  constructor(every) {
-    this.every = every;
-    this.fields = every.filter(({ fixed, parameter, isChecksum }) => fixed === null && parameter === null && !isChecksum);
-    this.constants = every.filter(({ isConstant, parameter }) => isConstant && parameter === null);
-    this.conditional = this.constants.filter(({ only }) => only !== null);
-    this.parametric = every.filter(({ parameter }) => parameter !== null);
-    this.unfilled = Object.fromEntries(this.fields.map(({ name }) => [name, null]));
-    this.isWide = this.fields.some(({ type }) => type.isWide);
-  }
+export function layoutsOf(types, layouts) {
+  return layouts.map((layout) => new Layout(layout, types));
+}
+
+export function typesOf(types) {
+  return types.map((type) => new FieldType(type));
 }
 
 class Field {
-  constructor(table, type) {
-    this.name = table.name;
-    this.type = type;
-    this.elements = table.elements.map((segments) => new Bits(segments));
-    this.isArray = table.indices !== undefined;
-    this.joined = joinedBy(type, this.elements.length);
-    this.only = table.only ?? null;
-    this.fixed = table.fixed ?? null;
-    this.isConstant = table.constant ?? false;
-    this.isChecksum = table.checksum ?? false;
-    this.counter = table.counter ?? null;
-    this.parameter = table.parameter ?? null;
-    this.indices = table.indices ?? null;
-  }
-
-  /** The raw integer of a constant that is a parameter. Throws CodecError if that is not given. */
-  required(parameters) {
-    const value = whole(parameters, this.parameter);
-    if (value === undefined) {
-      throw new CodecError("missing_parameter", `the constant ${this.name} is ${this.parameter}, which is not given`, this.name);
-    }
-    return this.type.isWide ? BigInt(value) : value;
+  constructor({ name, elements, indices = null, only = null, fixed = null, constant = false, parameter = null, checksum = false, counter = null }, type) {
+    const isArray = indices !== null;
+    Object.assign(this, { name, type, only, isArray, count: elements.length, isValue: fixed === null && parameter === null && !checksum });
+    const bits = { name, elements, isArray, indices, only, fixed, isConstant: constant, parameter, isChecksum: checksum, counter };
+    this.description = { ...bits, type: type.description }; // for tools
   }
 
   exists(value) {
     return this.only === null || this.only.includes(value);
-  }
-
-  read(frame) {
-    const raw = this.signed(this.elements[0].read(frame));
-    return this.isArray ? Object.freeze(this.elements.map((element) => this.signed(element.read(frame)))) : raw;
-  }
-
-  signed(raw) {
-    return this.type.isSigned && raw >= this.type.half ? raw - this.type.size : raw;
-  }
-
-  value(raw, parameters) {
-    if (this.joined) {
-      return this.joined.value(raw);
-    }
-    return this.isArray ? Object.freeze(raw.map((element) => this.type.value(element, parameters))) : this.type.value(raw, parameters);
   }
 
   /** The raw integers of given values or raw integers. Throws CodecError. */
@@ -603,17 +390,21 @@ class Field {
     if (!this.isArray) {
       return convert(given);
     }
-    if (this.joined && isValue) {
-      return Object.freeze(this.joined.raw(given, this.name));
+    if (this.type.joined && isValue) {
+      return Object.freeze(this.type.joined.raw(given, this.name, this.count));
     }
-    if (!Array.isArray(given) || given.length !== this.elements.length) {
-      throw new CodecError("out_of_range", `${this.name} needs ${this.elements.length} elements`, this.name);
+    if (!Array.isArray(given) || given.length !== this.count) {
+      throw new CodecError("out_of_range", `${this.name} needs ${this.count} elements`, this.name);
     }
     return Object.freeze(given.map(convert));
   }
 
+  allows(raw, parameters) {
+    return [raw].flat().every((element) => this.type.allows(element, parameters));
+  }
+
   result(raw, value, parameters) {
-    if (this.joined) {
+    if (this.type.joined) {
       return Object.freeze({ name: this.name, raw, value, unit: null, reason: value === null ? "out_of_range" : null, noValue: null, valueName: null });
     }
     const without = this.isArray ? raw[value.indexOf(null)] : value === null ? raw : undefined;
@@ -631,217 +422,235 @@ class Field {
     const names = raw.map(nameOf);
     return names.some((name) => name !== null) ? Object.freeze(names) : null;
   }
-
-  /** What the field is, for tools: its bits and its type. */
-  get description() {
-    const { name, isArray, indices, only, fixed, isConstant, parameter, isChecksum, counter, type } = this;
-    const elements = this.elements.map((element) => element.segments);
-    const { width, encoding, unit = null, enum: members = null, flags = null, noValues = null, names = null } = type;
-    const own = { width, encoding, unit, enum: members, flags, linear: type.linear, range: type.range, noValues, names };
-    return { name, elements, isArray, indices, only, fixed, isConstant, parameter, isChecksum, counter, type: own };
-  }
 }
 
-class Message {
-  constructor(table, layout) {
-    this.direction = table.direction;
-    this.command = table.command;
-    this.rule = new IdRule(table);
-    this.length = table.length;
-    this.only = Object.entries(table.only ?? NOTHING);
-    this.keys = (table.keys ?? []).map(({ segments, values }) => ({ bits: new Bits(segments), values }));
-    const condition = ({ segments, values }) => ({ bits: new Bits(segments), values });
-    this.confusions = (table.confusions ?? []).map(({ command, conditions }) => ({ command, conditions: conditions.map(condition) }));
-    this.mask = table.mask ?? 0;
-    this.layout = layout;
-    this.layoutNumber = table.layout;
-    this.nodeBits = table.node ? new Bits(table.node) : null;
-    this.checksum = table.checksum ? new Checksum(table.checksum, layout.every) : null;
-    const { sent, everyMs, timeoutMs, frames } = table;
-    this.sending = { ...(sent && { sent }), ...(everyMs && { everyMs }), ...(timeoutMs && { timeoutMs }) };
-    this.frames = frames ? { field: frames[0], first: frames[1], last: frames[2] } : null;
+/** A request or a reply: what it is, and its generated functions. */
+export class Definition {
+  constructor(layouts, about, { hasKeys = () => true, nodeInData = null, check = () => {}, read, write }) {
+    this.layout = layouts[about.layout];
+    this.about = about;
+    this.direction = about.direction;
+    this.command = about.command;
+    this.length = about.length;
+    this.frames = about.frames;
+    this.rule = new IdRule(about);
+    Object.assign(this, { hasKeys, nodeInData, check, read, write });
   }
 
   get description() {
-    const { direction, command, rule, length, layout, layoutNumber } = this;
-    const keys = this.keys.map(({ bits: { segments }, values }) => ({ segments, values }));
-    const { base, step, nodes, extended, remote } = rule;
-    const ofId = rule.parameter === null ? {} : { idParameter: rule.parameter, idParameterStep: rule.times };
-    const fields = layout.every.map((field) => field.description);
-    return { direction, command, base, step, nodes, extended, remote, length, keys, layout: layoutNumber, parameter: layout.parameter, fields, ...ofId, ...this.sending, ...(this.frames && { frames: this.frames }) };
+    const { direction, command, length, keys = [], layout, sent, everyMs, timeoutMs, frames } = this.about;
+    const { base, step, nodes, extended, remote, parameter: idParameter, times: idParameterStep } = this.rule;
+    const ofId = idParameter === null ? {} : { idParameter, idParameterStep };
+    const { parameter, every } = this.layout;
+    const sending = { ...(sent && { sent }), ...(everyMs && { everyMs }), ...(timeoutMs && { timeoutMs }) };
+    const fields = every.map((field) => field.description);
+    return { direction, command, base, step, nodes, extended, remote, length, keys, layout, parameter, fields, ...ofId, ...sending, ...(frames && { frames }) };
   }
 
+  /** The node in the id of a frame; null without one. */
   node(frame, parameters) {
-    return this.rule.node(frame, this.mask, parameters) ?? null;
+    return this.rule.node(frame, parameters) ?? null;
+  }
+
+  /** The node of a frame of this message: that in its id, or else in its data; null without one. */
+  nodeOf(frame, parameters) {
+    return this.nodeInData ? this.nodeInData(frame) : this.node(frame, parameters);
   }
 
   /** The first difference between a frame and this message, as `{ refusal, text }`; null if the frame is this message. */
   difference(frame, parameters) {
     const wrong = (refusal, text) => ({ refusal, text: `this is no ${this.direction} of ${this.command}: ${text}` });
-    if (this.rule.node(frame, this.mask, parameters) === undefined) {
+    if (this.rule.node(frame, parameters) === undefined) {
       const isUnknown = this.rule.isOfKind(frame) && this.rule.offset(parameters) === undefined;
       return isUnknown ? wrong("missing_parameter", `its id contains ${this.rule.parameter}`) : wrong("unknown_id", "the id differs");
     }
     if (frame.data.length !== this.length && !frame.remote) {
       return wrong("wrong_length", `it has ${frame.data.length} data bytes`);
     }
-    const hasKeys = this.keys.every((key) => key.values.includes(key.bits.read(frame)));
-    return hasKeys ? null : wrong("unknown_code", "the code differs");
+    return this.hasKeys(frame) ? null : wrong("unknown_code", "the code differs");
   }
 
-  /** The node of a frame of this message: that in its id, or else in its data; null without one. */
-  nodeOf(frame, parameters) {
-    return this.nodeBits ? this.nodeBits.read(frame) : this.node(frame, parameters);
+  /** A frame of this message with its fields. Throws CodecError for a wrong constant or checksum, or if the fields are unknown. */
+  decode(frame, parameters) {
+    return this.read(frame, this.nodeOf(frame, parameters), parameters);
   }
 
-  /** Throws CodecError if no node with these parameters has the command. */
-  checkAvailable(parameters) {
-    for (const [name, values] of this.only) {
-      const value = parameters[name];
-      if (value !== undefined && !values.includes(value)) {
-        throw new CodecError("not_available", `${this.command} is available with ${name} ${values.join(" or ")}, not ${value}`);
-      }
+  /** The error if the parameter that decides on the fields is not given. */
+  undetermined() {
+    return new CodecError("missing_parameter", `the fields of ${this.command} depend on ${this.layout.parameter}, which is not given`);
+  }
+
+  /** The fields that have values under some parameters. Throws CodecError if these do not determine the fields. */
+  fields(parameters) {
+    const { parameter, values, every } = this.layout;
+    if (parameter !== null && !values.includes(parameters[parameter])) {
+      throw this.undetermined();
     }
-  }
-
-  /** The code of a frame of this message, undefined if it has one at most. */
-  codeOf(frame) {
-    return this.keys[0]?.values.length > 1 ? this.keys[0].bits.read(frame) : undefined;
-  }
-
-  /** Throws CodecError if a code is given that this message cannot have. */
-  checkCode(code) {
-    const codes = this.keys[0]?.values ?? [];
-    if (code !== undefined && !codes.includes(code)) {
-      throw new CodecError("unknown_code", `the ${this.direction} of ${this.command} has ${codes.map(hex).join(" or ") || "no code"}, not ${code}`);
-    }
-  }
-
-  /** Throws CodecError if receivers identify a frame of this message as another one. */
-  checkMeaning(frame) {
-    const confusion = this.confusions.find(({ conditions }) => conditions.every(({ bits, values }) => values.includes(bits.read(frame))));
-    if (confusion) {
-      const data = Array.from(frame.data, (byte) => byte.toString(16).padStart(2, "0")).join(" ").toUpperCase();
-      throw new CodecError("wrong_message", `the ${this.direction} of ${this.command} with these values is that of ${confusion.command}: ${data}`);
-    }
-  }
-
-  /** Throws CodecError for a wrong constant or checksum; if it is unknown which fields there are, of those that there always are. */
-  check(frame, parameters) {
-    checkConstants(this.layout.common.constants, frame);
-    this.checksum?.check(frame);
-    checkConstants(this.layout.variant(parameters)?.conditional ?? [], frame);
-  }
-
-  /** The fields under some parameters. Throws CodecError if these do not determine the fields. */
-  variant(parameters) {
-    const variant = this.layout.variant(parameters);
-    if (variant === null) {
-      throw new CodecError("missing_parameter", `the fields of ${this.command} depend on ${this.layout.parameter}, which is not given`);
-    }
-    return variant;
-  }
-
-  /** The frame of checked raw integers and of a code, if it is given; bits without a field are 0. */
-  write(node, raws, code, parameters) {
-    const data = new Array(this.rule.remote ? 0 : this.length).fill(0);
-    let id = this.rule.base + (this.rule.nodes ? node : 0) * this.rule.step + this.rule.offset(parameters);
-    this.keys.forEach((key, i) => {
-      id = key.bits.write((i === 0 ? code : undefined) ?? key.values[0], id, data);
-    });
-    for (const field of this.layout.variant(parameters).every.filter(({ isChecksum }) => !isChecksum)) {
-      const raw = field.fixed ?? (field.parameter === null ? raws[field.name] : field.required(parameters));
-      field.elements.forEach((element, i) => {
-        id = element.write(Array.isArray(raw) ? raw[i] : raw, id, data);
-      });
-    }
-    this.checksum?.write(id, data);
-    return checkedFrame({ id, data, extended: this.rule.extended, remote: this.rule.remote });
+    return every.filter((field) => field.isValue && field.exists(parameters[parameter]));
   }
 }
 
-function checkConstants(constants, frame) {
-  for (const field of constants) {
-    checkConstant(field, field.fixed, frame);
+/** What a program gives for a message; the encoder of the message asks for each part. */
+class Given {
+  constructor(message, { node = null, values, raw, code }, parameters) {
+    Object.assign(this, { message, node, values, raw, code, parameters });
+  }
+
+  /** Throws CodecError if no node with these parameters has the command. */
+  checkAvailable(name, values) {
+    const value = this.parameters[name];
+    if (value !== undefined && !values.includes(value)) {
+      throw new CodecError("not_available", `${this.message.command} is available with ${name} ${values.join(" or ")}, not ${value}`);
+    }
+  }
+
+  /** The code of the frame. Throws CodecError if a code is given that the message cannot have. */
+  codeOf(codes) {
+    if (this.code !== undefined && !codes.includes(this.code)) {
+      const { direction, command } = this.message;
+      throw new CodecError("unknown_code", `the ${direction} of ${command} has ${codes.map(hex).join(" or ") || "no code"}, not ${this.code}`);
+    }
+    return this.code ?? codes[0];
+  }
+
+  /** Throws TypeError without a node, CodecError if there is no such node. */
+  checkNode(first, last) {
+    if (!Number.isInteger(this.node)) {
+      throw new TypeError(`${this.message.command} needs a node from ${first}..${last}`);
+    }
+    if (this.node < first || this.node > last) {
+      throw new CodecError("unknown_node", `there is no node ${this.node}; nodes are ${first}..${last}`, "node");
+    }
+  }
+
+  /** Throws CodecError without the parameter in the id. */
+  checkParameter(name) {
+    if (this.parameters[name] === undefined) {
+      throw new CodecError("missing_parameter", `the id of ${this.message.command} contains ${name}, which is not given`);
+    }
+  }
+
+  /** The raw integers of all fields, by name. Throws TypeError for missing or other fields, CodecError for invalid content. */
+  raws(names) {
+    const { values, raw, parameters, message } = this;
+    const given = values ?? raw ?? NOTHING;
+    const isWrong = Object.keys(given).length !== names.length || names.some((name) => !Object.hasOwn(given, name));
+    if (isWrong || (values && raw)) {
+      throw new TypeError(`the ${message.direction} of ${message.command} needs values, or raw integers, of: ${names.join(", ") || "no fields"}`);
+    }
+    const fields = message.fields(parameters).map((field) => [field.name, field.given(given[field.name], parameters, values !== undefined)]);
+    return Object.fromEntries(fields);
+  }
+
+  /** The frame of an id without its node and its parameter, and of data. */
+  frame(filled, data) {
+    const { rule } = this.message;
+    const id = rule.base + (rule.nodes ? this.node : 0) * rule.step + rule.offset(this.parameters);
+    return { id: id | filled, data, extended: rule.extended, remote: rule.remote };
   }
 }
 
 /** Throws CodecError if a frame has another raw integer in a constant. */
-function checkConstant(field, raw, frame) {
-  if (field.read(frame) !== raw) {
-    throw rejection("wrong_constant", `the constant ${field.name} is not ${raw}`, [field.name, raw], field.name);
+export function checkConstant(found, raw, name) {
+  if (found !== raw) {
+    throw rejection("wrong_constant", () => [`the constant ${name} is not ${raw}`, name, raw], name);
   }
 }
 
-/** The checksum of a frame, computed in a register of `width` bits: its poly and its init are aligned to the register. */
-class Checksum {
-  constructor({ field, arithmetic, width, poly = 0, init = 0, reflected = false, shift = 0, xor = 0, inputs }, fields) {
-    Object.assign(this, { arithmetic, width, poly, init, reflected, shift, xor });
-    this.field = fields[field];
-    this.inputs = inputs.map((input) => (Array.isArray(input) ? new Bits(input) : input));
+/** The raw integer of a constant that is a parameter. Throws CodecError if that is not given. */
+export function required(parameters, parameter, name) {
+  const value = whole(parameters, parameter);
+  if (value === undefined) {
+    throw new CodecError("missing_parameter", `the constant ${name} is ${parameter}, which is not given`, name);
   }
+  return value;
+}
 
-  of(frame) {
-    const bytes = this.inputs.map((input) => (input instanceof Bits ? input.read(frame) : input));
-    return ((bytes.reduce((register, byte) => this.next(register, byte), this.init) >>> this.shift) ^ this.xor) >>> 0;
-  }
+/** The function of a checksum, computed in a register of `width` bits: its poly and its init are aligned to the register. */
+export function checksum({ arithmetic, width, poly = 0, init = 0, reflected = false, shift = 0, xor = 0 }) {
+  const shifted = (register) => {
+    const out = reflected ? register & 1 : (register >>> (width - 1)) & 1;
+    return (reflected ? register >>> 1 : register << 1) ^ (out ? poly : 0);
+  };
+  const next = {
+    sum: (register, byte) => (register + byte) % 2 ** width,
+    xor: (register, byte) => register ^ byte,
+    crc: (register, byte) => {
+      let next = register ^ (reflected ? byte : byte << (width - 8));
+      for (let bit = 0; bit < 8; bit++) {
+        next = shifted(next);
+      }
+      return next & (2 ** width - 1);
+    },
+  }[arithmetic];
+  return (bytes) => ((bytes.reduce(next, init) >>> shift) ^ xor) >>> 0;
+}
 
-  /** The register after one more byte. */
-  next(register, byte) {
-    if (this.arithmetic === "sum") {
-      return (register + byte) % 2 ** this.width;
-    }
-    if (this.arithmetic === "xor") {
-      return register ^ byte;
-    }
-    const { width, poly, reflected } = this;
-    let next = register ^ (reflected ? byte : byte << (width - 8));
-    for (let bit = 0; bit < 8; bit++) {
-      const out = reflected ? next & 1 : (next >>> (width - 1)) & 1;
-      next = (reflected ? next >>> 1 : next << 1) ^ (out ? poly : 0);
-    }
-    return next & (2 ** width - 1);
-  }
-
-  /** Throws CodecError if the field is not the checksum of a frame. */
-  check(frame) {
-    const { name } = this.field;
-    const [found, computed] = [this.field.read(frame), this.of(frame)];
-    if (found !== computed) {
-      throw rejection("wrong_checksum", `${name} is ${hex(found)}, but the checksum of this frame is ${hex(computed)}`, [name, hex(found), hex(computed)], name);
-    }
-  }
-
-  write(id, data) {
-    this.field.elements[0].write(this.of({ id, data }), id, data);
+/** Throws CodecError if a field is not the checksum of its frame. */
+export function checkChecksum(found, computed, name) {
+  if (found !== computed) {
+    const text = () => `${name} is ${hex(found)}, but the checksum of this frame is ${hex(computed)}`;
+    throw rejection("wrong_checksum", () => [text(), name, hex(found), hex(computed)], name);
   }
 }
+
+/** The error of a frame that receivers identify as another message. */
+export function wrongMessage({ direction, command }, meant, { data }) {
+  const bytes = Array.from(data, (byte) => byte.toString(16).padStart(2, "0")).join(" ").toUpperCase();
+  return new CodecError("wrong_message", `the ${direction} of ${command} with these values is that of ${meant}: ${bytes}`);
+}
+
+/** The error of a frame of which no message has the length. */
+export function wrongLength({ id, data }, lengths) {
+  return rejection("wrong_length", () => [`${hex(id)} has ${data.length} data bytes, not ${lengths.join(" or ")}`, hex(id), data.length, lengths]);
+}
+
+/** The error of a frame of which no message has the codes. */
+export function unknownCode({ id }, direction, values) {
+  const codes = () => values.map(hex);
+  return rejection("unknown_code", () => [`no ${direction} on ${hex(id)} has the code ${codes().join(" and ")}`, hex(id), codes()]);
+}
+
+/** The error of a frame with an id of no message. */
+function unknownId(direction, { id, extended, remote }) {
+  const kind = (extended ? "29-bit " : "") + (remote ? "remote " : "");
+  const digits = () => id.toString(16).toUpperCase().padStart(extended ? 8 : 3, "0");
+  return rejection("unknown_id", () => [`no ${direction} has the ${kind}id ${hex(id)}`, `0x${digits()}${remote ? " RTR" : ""}`]);
+}
+
+/** The error of a frame with bits in its id that only other messages fill. */
+export function unusedBits({ id }) {
+  return rejection("unknown_id", () => [`${hex(id)} has bits that are 0 in the ids of this message`, hex(id)]);
+}
+
+/** What objects with BigInt inherit, so that JSON has them. */
+export const EXACT = /* @__PURE__ */ Object.create(Object.prototype, {
+  toJSON: {
+    value() {
+      return withoutBigInt(this);
+    },
+  },
+});
 
 /** A frame with its meaning; immutable. */
-class MessageResult {
+export class MessageResult {
   #message;
   #frame;
 
-  constructor({ family, edition }, message, node, frame, raw, parameters) {
-    const variant = message.layout.variant(parameters);
-    const values = { ...variant.unfilled };
-    for (const field of variant.fields) {
-      values[field.name] = field.value(raw[field.name], parameters);
-    }
+  constructor(message, node, parameters, frame, raw, values, code) {
     this.#message = message;
-    this.family = family;
-    this.edition = edition;
+    this.family = message.family;
+    this.edition = message.edition;
     this.direction = message.direction;
     this.command = message.command;
     this.node = node;
-    const code = message.codeOf(frame);
     if (code !== undefined) {
       this.code = code;
     }
     this.parameters = parameters;
     this.#frame = frame;
-    this.raw = variant.isWide ? forJSON(raw) : Object.freeze(raw);
-    this.values = variant.isWide ? forJSON(values) : Object.freeze(values);
+    this.raw = raw;
+    this.values = values;
     Object.freeze(this);
   }
 
@@ -851,8 +660,7 @@ class MessageResult {
 
   get fields() {
     const { raw, values, parameters } = this;
-    const { fields } = this.#message.layout.variant(parameters);
-    return Object.freeze(fields.map((field) => forJSON(field.result(raw[field.name], values[field.name], parameters))));
+    return Object.freeze(this.#message.fields(parameters).map((field) => forJSON(field.result(raw[field.name], values[field.name], parameters))));
   }
 
   toJSON() {

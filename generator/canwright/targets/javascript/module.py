@@ -1,0 +1,59 @@
+"""The source of an edition: its functions, as a module and as a part of the explorer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...model.edition import Edition
+from ...model.message import Direction
+from ...semantics.dispatch import dispatch_plan
+from ...semantics.exchange import exchange_plans
+from ...semantics.plan import only_by_request
+from ...templating.environment import environment
+from ..tables import id_rule
+from . import functions, text
+from .tables import JavaScriptTables, parameter_table
+
+HELPERS = (
+    "Definition, EXACT, MessageResult, checkChecksum, checkConstant, checksum, createEdition, layoutsOf, required, "
+    "typesOf, unknownCode, unusedBits, wrongLength, wrongMessage"
+)
+"""What the functions of an edition use of the runtime."""
+
+
+def functions_source(edition: Edition) -> str:
+    """The statements that declare the constant `edition`, which has all functions."""
+    tables, within = JavaScriptTables(edition), edition.bus.reply_within_ms
+    filters: dict[str, Callable[..., object]] = {
+        "quoted": text.quoted,
+        "printed": text.printed,
+        "constant": functions.constant,
+        "keys": functions.keys,
+        "read_in": functions.read_in,
+        "route_statements": functions.route,
+        "rule_table": lambda route: id_rule(route.rule, route.remote, route.mask),
+        "type_table": tables.type,
+        "layout_table": tables.layout,
+    }
+    requests, replies = (dispatch_plan(edition, direction).routes for direction in Direction)
+    return (
+        environment("javascript", filters)
+        .get_template("functions.js.j2")
+        .render(
+            edition=edition,
+            tables=tables,
+            printer=functions.Functions(edition),
+            explained=only_by_request(edition),
+            reply_within=text.NULL if within is None else text.double(within),
+            parameters={parameter.name: parameter_table(parameter) for parameter in edition.parameters},
+            answers=[plan for plans in exchange_plans(edition).values() for plan in plans],
+            directions=[("requests", Direction.REQUEST, requests), ("replies", Direction.REPLY, replies)],
+        )
+    )
+
+
+def module(edition: Edition, header: str, source: str) -> str:
+    """The module of an edition; `source` is that of its functions."""
+    has_sequence = any(message.sequence for message in edition.all_messages())
+    template = environment("javascript", {}).get_template("edition.js.j2")
+    return template.render(header=header, helpers=HELPERS, functions=source, joins=["join"] if has_sequence else [])
