@@ -155,7 +155,7 @@ def is_read(edition: Edition, command: Command) -> bool:
         return False
     reply = command.replies[0]
     has_one_frame = not reply.from_each and reply.frames == 1 and not isinstance(reply, EchoReply)
-    is_bare = not command.effects and not any(field.role.is_value for field in request.layout.fields)
+    is_bare = not command.effects and not any(field.is_given for field in request.layout.fields)
     return has_one_frame and is_bare and has_node(request)
 
 
@@ -175,7 +175,7 @@ def reply_differs(edition: Edition, command: Command) -> bool:
     return any(
         encoder.rejects_raw(field, decoded.raws[field.name]) or not field.type.is_plausible(decoded.values[field.name])
         for field in decoded.variant.fields
-        if field.role.is_value
+        if field.is_given
     )
 
 
