@@ -12,31 +12,27 @@ PACKAGES: Mapping[str, str] = {
     "arm-none-eabi-gcc": "gcc-arm-none-eabi",
     "avr-g++": "gcc-avr avr-libc",
     "avr-gcc": "gcc-avr avr-libc",
-    "busybox": "busybox-static",
     "clang": "clang",
     "clang-tidy": "clang-tidy",
     "cppcheck": "cppcheck",
-    "dpkg-deb": "dpkg",
     "frama-c": "frama-c-base",
     "g++": "g++",
     "gcc": "gcc",
-    "ip": "iproute2",
     "java": "default-jre-headless",
     "npm": "npm",
-    "qemu-system-x86_64": "qemu-system-x86",
     "sdcc": "sdcc",
     "simavr": "simavr",
     "tshark": "tshark",
     "valgrind": "valgrind",
 }
-"""Those of other programs that begin with `qemu-` are in `qemu-user`."""
+"""Those of programs that begin with `qemu-` are in `qemu-user`."""
 
 
 def tool(name: str) -> str:
     """The path of a program; exits with the name of its package if it is not installed."""
     path = shutil.which(name)
     if path is None:
-        package = PACKAGES[name] if name in PACKAGES or not name.startswith("qemu-") else "qemu-user"
+        package = "qemu-user" if name.startswith("qemu-") else PACKAGES[name]
         raise SystemExit(f"{name} is not installed; on Debian: apt-get install {package}")
     return path
 

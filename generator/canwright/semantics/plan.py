@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NoReturn
 
 from ..model.edition import Edition
 from ..model.exhaustive import assert_never
@@ -173,11 +172,6 @@ EncodingStep = (
     | WriteChecksum
     | CheckMeaning
 )
-
-
-def assert_never(step: NoReturn) -> NoReturn:
-    """Where a target has printed all steps: the type checker reports one that it lacks."""
-    raise AssertionError(f"no printer for {step}")
 
 
 @dataclass(frozen=True)
