@@ -20,7 +20,7 @@ from ..spec_texts import ROOT
 
 NEW, OLD = "v2.36-2025-03", "v2.35"
 """An edition with an id of its own for replies, and one whose replies have the ids of the requests."""
-NAMES = ("v2_36_2025_03", "v2_35", "nodes", "simulation")
+NAMES = ("v2_36_2025_03", "v2_35", "nodes", "simulation", "client")
 MG = ("--set", "series=MG", "--set", "encoder_bits=14")
 
 

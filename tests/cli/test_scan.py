@@ -10,6 +10,7 @@ from typing import Any
 
 import can
 import pytest
+from can.interfaces.virtual import VirtualBus
 from canwright.cli import main
 from canwright.conformance import modules
 from click.testing import CliRunner, Result
@@ -62,6 +63,24 @@ def answering(package: dict[str, ModuleType], channel: str, editions: dict[int, 
 
 def run(channel: str, *arguments: str) -> Result:
     return CliRunner().invoke(main, ["scan", *arguments, "-i", "virtual", "-c", channel])
+
+
+def test_frames_of_other_programs_on_this_computer_are_no_own_frames(
+    package: dict[str, ModuleType], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """SocketCAN marks them as it marks own frames; the scan and the simulated node have to use them."""
+    receive = VirtualBus._recv_internal
+
+    def marked(bus: VirtualBus, timeout: float | None) -> tuple[can.Message | None, bool]:
+        message, is_filtered = receive(bus, timeout)
+        if message is not None:
+            message.is_rx = False
+        return message, is_filtered
+
+    monkeypatch.setattr(VirtualBus, "_recv_internal", marked)
+    with answering(package, "local", {3: "v2_35"}):
+        result = run("local", "--node", "3", *SLOW)
+    assert "mwd_motor, node 3, " in result.stdout and ": fits v2.35\n" in result.stdout, result.output
 
 
 @pytest.mark.parametrize("edition", EDITIONS)

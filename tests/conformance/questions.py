@@ -127,7 +127,7 @@ class Questions:
             lengths = {another.dlc for another in self._messages if another.direction is message.direction}
             for length in sorted({0, 8, message.dlc - 1, message.dlc + 1, *lengths} & set(range(9))):
                 yield frame._replace(data=frame.data[:length].ljust(length, b"\0"))
-            fixed = (f for f in message.layout.fields if not f.role.is_value)
+            fixed = (f for f in message.layout.fields if not f.is_given)
             parts = [(k.space, bits_of((segment,))) for k in message.keys for segment in k.segments]
             parts += [(f.space, e.bits) for f in fixed for e in f.elements]
             beyond = base + ((message.id.nodes or range(1))[-1] + 1) * message.id.node_step

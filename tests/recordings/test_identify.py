@@ -305,6 +305,22 @@ def test_a_rare_slip_does_not_decide() -> None:
     assert [evidence.counts for evidence in result.scores[0].against] == [False]
 
 
+@pytest.mark.parametrize("form", ["text", "json"])
+def test_a_log_of_two_recorders_is_a_finding(form: str, tmp_path: Path) -> None:
+    """With a log of one recorder, the exit status is 0."""
+    polls = [(at, "9A00000000000000") for at in range(0, 600_000, 10_000)]
+    replies = [(at + 300, f"9A320813{at // 10_000:02X}000000") for at, _ in polls]
+    again = [(at + 12_000, data) for at, data in polls + replies]
+    spec = shutil.copy(ROOT / "spec/mwd_motor/v2.35-2024-02.yaml", tmp_path)
+    for frames, status in ((polls + replies, 0), (polls + replies + again, 1)):
+        log = "".join(f"(1.{at:06}) can0 141#{data}\n" for at, data in sorted(frames))
+        options = ["--spec", str(spec), "--format", form]
+        result = CliRunner().invoke(main, ["identify", "-", *options], input=log)
+        assert result.exit_code == status, result.output
+        sentence = "can0: each frame is recorded twice, again after 12 ms, as by two recorders"
+        assert (sentence in (result.stdout if form == "text" else result.stderr)) == bool(status)
+
+
 def test_a_file_that_is_no_log(tmp_path: Path) -> None:
     file = tmp_path / "x.log"
     file.write_text("hello\n", "utf-8")

@@ -127,7 +127,7 @@ def _random_raws(message: Message, dice: random.Random) -> dict[str, Raw]:
     """Raw integers of all fields, often those of a confusion."""
     raws: dict[str, Raw] = {}
     for field in message.layout.fields:
-        if field.role.is_value:
+        if field.is_given:
             bits = [dice.choice((0, 1, dice.getrandbits(field.type.width))) for _ in field.elements]
             each = [signed(field.type, raw & (1 << field.type.width) - 1) for raw in bits]
             raws[field.name] = each if field.is_array else each[0]

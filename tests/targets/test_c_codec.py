@@ -132,7 +132,7 @@ def test_the_reason_for_a_rejection_is_that_of_the_reference(made: tuple[Edition
         nodes = None if message.id.nodes is None else [*message.id.nodes, message.id.nodes[-1] + 1]
         for parameters in [*_having(edition, command), {}]:
             variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
-            fields = [f for f in variant.fields if f.role.is_value] if variant else []
+            fields = [f for f in variant.fields if f.is_given] if variant else []
             for _ in range(ROUNDS):
                 node = chance.choice([nodes[0], nodes[-1]]) if nodes else None
                 raw = {f.name: _raw(f, chance, parameters) for f in fields}
@@ -229,7 +229,7 @@ def _assignments(edition: Edition) -> list[Parameters]:
 def _fields(message: Message, parameters: Parameters) -> list[Field]:
     variant = message.layout.variant({name: str(value) for name, value in parameters.items()})
     assert variant is not None
-    return [field for field in variant.fields if field.role.is_value]
+    return [field for field in variant.fields if field.is_given]
 
 
 def _limits(type_: Type, parameters: Parameters) -> tuple[int, int]:

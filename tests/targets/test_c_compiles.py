@@ -113,7 +113,7 @@ def readers(item: EditionInput, include: Path, step: int) -> str:
         ]
         lines += ["        return 1;", "    }", "    switch ((int)any.command) {"]
         for message in item.edition.messages(direction)[::step]:
-            fields = [field for field in message.layout.fields if field.role.is_value]
+            fields = [field for field in message.layout.fields if field.is_given]
             place = f"any.as.{member(names.short(message.command))}"
             lines.append(f"    case {names.command(message.command)}:")
             for field in fields:

@@ -218,7 +218,7 @@ def test_no_function_of_a_type_has_the_name_of_a_field_of_another(spec: Path) ->
     names = Names(edition_input.edition)
     text = "".join(o.text for o in CTarget().generate([edition_input], {}) if o.path.endswith(".h"))
     for layout in layouts(edition_input.edition):
-        for field in (f for f in layout.fields if f.role.is_value and names.type_stem(f.type) != f.name):
+        for field in (f for f in layout.fields if f.is_given and names.type_stem(f.type) != f.name):
             for ending in (e for e in TYPE_ENDINGS if field.name + e not in EDITION_NAMES):
                 assert f" {names.lower(field.name)}{ending}(" not in text, (layout.name, field.name)
 

@@ -162,7 +162,7 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
     raw = {
         field.name: [data.draw(raw_integers(field, assignment)) for _ in field.elements]
         for field in variant.fields
-        if field.role.is_value
+        if field.is_given
     }
     flat = {f.name: raw[f.name] if f.is_array else raw[f.name][0] for f in variant.fields if f.name in raw}
     node = data.draw(st.sampled_from(message.id.nodes)) if message.id.nodes else None

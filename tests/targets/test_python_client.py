@@ -411,6 +411,26 @@ def test_mistakes_of_a_program_are_errors(bench: Make, package: dict[str, Module
         bus.client_module.Client(bus.bus, [bus.nodes[0], bus.nodes[0]])
 
 
+def test_a_notifier_with_asyncio(package: dict[str, ModuleType]) -> None:
+    bench = Bench(package, Clock(), "v2_35")
+    module = import_module("mwd_motor.client_asyncio")
+
+    async def ask() -> list[int]:
+        async with module.AsyncClient(host, bench.nodes, allow="motion", timeout=5, notifier=notifier) as client:
+            return [(await client.request(bench.torque(1, raw))).speed for raw in range(20)]
+
+    def answer(asked: can.Message) -> None:
+        for reply in bench._answer(asked):
+            node.send(reply)
+
+    with can.Bus("tasks", interface="virtual") as host, can.Bus("tasks", interface="virtual") as node:
+        heard = can.BufferedReader()
+        with can.Notifier(node, [answer], timeout=0.05), can.Notifier(host, [heard], timeout=0.05) as notifier:
+            assert asyncio.run(ask()) == [*range(20)]
+            assert notifier.listeners == [heard]
+        assert heard.get_message(0) is not None
+
+
 @pytest.mark.parametrize("has_file", [False, True])
 def test_asyncio_has_the_same_rules(package: dict[str, ModuleType], has_file: bool) -> None:
     """With a thread that reads, and with a file descriptor: a socket that is readable when a frame has come."""

@@ -372,7 +372,7 @@ def ask_unchecked(edition: Edition, adapter: CAdapter) -> None:
     for layout, known in itertools.product(layouts(edition), list(_choices(edition))):
         variant = layout.variant(known)
         assert variant is not None
-        fields = [field for field in variant.fields if field.role.is_value]
+        fields = [field for field in variant.fields if field.is_given]
         for width in (0, 64, *[1] * UNCHECKED) if fields else ():
             raws: dict[str, list[int]] = {f.name: [_any_raw(f, width, chance) for _ in f.elements] for f in fields}
             bits = dict.fromkeys(Space, 0)
@@ -413,7 +413,7 @@ def _ask_absent(item: EditionInput, adapter: CAdapter) -> None:
             encoder = Encoder(known)
             fields = encoder.fields(message) or {}
             raws = {name: _valid(encoder, field) for name, field in fields.items()}
-            for absent in (f for f in message.layout.fields if f.role.is_value and f.name not in fields):
+            for absent in (f for f in message.layout.fields if f.is_given and f.name not in fields):
                 wrong = {**raws, absent.name: [1 for _ in absent.elements] if absent.is_array else 1}
                 answer = adapter.encode_raw(message.direction, message.command, node, wrong, known)
                 assert answer == Refused(Refusal.OUT_OF_RANGE, absent.name), (message.name, absent.name, known, answer)

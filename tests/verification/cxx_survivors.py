@@ -89,7 +89,7 @@ def _ask_unknown_nodes(edition: Edition, adapter: CxxAdapter) -> None:
         for known in Facts(edition, adapter.header).assignments(*names):
             variant = message.layout.variant(assignment(known))
             if message.id.nodes is not None and variant is not None and command.available(assignment(known)):
-                fields = [field for field in variant.fields if field.role.is_value]
+                fields = [field for field in variant.fields if field.is_given]
                 numbers = [(f, integer(f.type).limits[1]) for f in fields]
                 raw: dict[str, Raw] = {f.name: [n] * len(f.elements) if f.is_array else n for f, n in numbers}
                 node = message.id.nodes[-1] + 1

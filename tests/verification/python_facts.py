@@ -125,7 +125,7 @@ def _check_holder(message: Message, cls: Any) -> None:
     numbers = {name for field in layout.fields for name in field.type.numbers}
     assert set(cls.DEPENDS) == {attribute(name) for name in numbers.union(layout.parameters)}
     if layout.fields:
-        always = tuple(attribute(field.name) for field in layout.fields if field.role.is_value and not field.only)
+        always = tuple(attribute(field.name) for field in layout.fields if field.is_given and not field.only)
         assert always == cls.__match_args__
 
 
@@ -378,7 +378,7 @@ def _check_node_in_data(edition: Edition, module: ModuleType, bus: Any) -> None:
 
 def _values_without_node(message: Message) -> dict[str, Any]:
     """Zeros for all fields but the node."""
-    fields = [field for field in message.layout.fields if field.role.is_value and not isinstance(field.role, NodeRole)]
+    fields = [field for field in message.layout.fields if field.is_given and not isinstance(field.role, NodeRole)]
     return {attribute(field.name): [0] * len(field.elements) if field.is_array else 0 for field in fields}
 
 

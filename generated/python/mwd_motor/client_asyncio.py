@@ -4,18 +4,16 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import math
-import threading
 import time
-import warnings
-from collections import deque
 from collections.abc import AsyncIterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import can
 
 from ._codec import Message, Request
-from .client import BusLost, ClientCore, Outcome, Steps
+from .client import LISTEN, BusLost, ClientCore, Outcome, Steps
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -23,28 +21,18 @@ if TYPE_CHECKING:
 R = TypeVar("R", bound=Message)
 T = TypeVar("T")
 
-AT_ONCE = 64
-"""The most frames that are read at a wake-up."""
-
 
 class AsyncClient(ClientCore):
     """A client for asyncio. Tasks wait for each other: `cycle` sends to all nodes at once. Use it with `async with`."""
 
     async def __aenter__(self) -> Self:
-        self._loop = asyncio.get_running_loop()
         self._turn = asyncio.Lock()
-        self._waiter: asyncio.Future[None] | None = None
-        self._watch()
-        await self._drive(self._open_steps())
+        await self._open()
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        if self._moved and self._lost is None and self._on_exit != "nothing":
-            unconfirmed = await self._drive(self._stop_steps("stop" if self._on_exit == "stop" else "switch_off"))
-            if unconfirmed:
-                warnings.warn(f"nodes did not confirm {self._on_exit}, and may still move: {unconfirmed}", stacklevel=2)
-        self._moved.clear()
-        await self._unwatch()
+        await self._drive(self._close_steps())
+        await self._wait_for_reading()
 
     async def request(self, request: Request[R], *, allow: str = "", tries: int = 1, timeout: float | None = None) -> R:
         """The reply to a request. Raises ClientError."""
@@ -83,24 +71,37 @@ class AsyncClient(ClientCore):
     async def reopen(self, bus: can.BusABC) -> None:
         """Starts again with another bus object, as `Client.reopen`."""
         async with self._turn:
-            await self._unwatch()
-            self._restart(bus)
-            self._watch()
-        await self._drive(self._open_steps())
+            await self._wait_for_reading()
+            self._use(bus)
+        await self._open()
 
     async def every(self, rate: float) -> AsyncIterator[int]:
         """The number of each period, as `Client.every`."""
-        for number, pause in self._periods(rate):
+        periods = self._periods(rate, time.monotonic(), self._bits)
+        yield 0
+        for number, pause in periods:
+            await asyncio.sleep(pause)
             yield number
-            await asyncio.sleep(pause())
+
+    async def _open(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._reading: asyncio.Future[can.Message | None] | None = None
+        try:
+            self._file = -1 if self._reader else self.bus.fileno()
+        except NotImplementedError:
+            self._file = -1
+        await self._drive(self._settle(self._lines.values()))
 
     async def _drive(self, steps: Steps[T]) -> T:
+        """Waits for the bus between steps; tasks wait for each other."""
         async with self._turn:
             try:
                 until = next(steps)
                 while True:
                     try:
                         message = await self._receive(until)
+                    except (can.CanError, OSError, ValueError) as error:
+                        until = steps.throw(BusLost(f"the bus does not work: {error}"))
                     except BaseException as error:
                         until = steps.throw(error)
                     else:
@@ -109,75 +110,40 @@ class AsyncClient(ClientCore):
                 return cast("T", stop.value)
 
     async def _receive(self, until: float) -> can.Message | None:
-        """The next frame; None if none comes until then. Raises BusLost."""
-        if self._file >= 0:
-            self._read()
-        while not self._arrived:
-            if self._error is not None:
-                raise BusLost(f"the bus does not work: {self._error}") from self._error
+        """The next frame; None if there is none until then, or if the wait ended before."""
+        if self._reading is None:
+            message = self._receiver()(0)
             left = until - time.monotonic()
-            if left <= 0:
-                return None
-            self._waiter = self._loop.create_future()
-            timer = self._loop.call_later(left, self._wake)
-            await self._waiter
-            timer.cancel()
-        return self._arrived.popleft()
-
-    def _wake(self) -> None:
-        if self._waiter is not None and not self._waiter.done():
-            self._waiter.set_result(None)
-
-    def _watch(self) -> None:
-        """Reads the bus when there is something to read, in a thread if the bus has no file descriptor."""
-        self._arrived: deque[can.Message] = deque()
-        self._error: Exception | None = None
-        self._ended = threading.Event()
+            if message is not None or left <= 0:
+                return message
+            if self._file >= 0:
+                await self._readable(left)
+                return self._receiver()(0)
+            self._reading = self._loop.run_in_executor(None, self._receiver(), min(left, LISTEN))
         try:
-            self._file = self.bus.fileno()
-        except NotImplementedError:
-            self._file = -1
-        if self._file >= 0:
-            self._loop.add_reader(self._file, self._readable)
-        else:
-            self._thread = threading.Thread(target=self._run, daemon=True)
-            self._thread.start()
+            return await asyncio.shield(self._reading)  # a frame that comes after a cancellation is the next one
+        finally:
+            if self._reading.done():
+                self._reading = None
 
-    async def _unwatch(self) -> None:
-        self._ended.set()
-        if self._file >= 0:
+    async def _readable(self, seconds: float) -> None:
+        """Waits until the bus has a frame, at most that long."""
+        wake = self._loop.create_future()
+        end = functools.partial(_end, wake)
+        timer = self._loop.call_later(seconds, end)
+        self._loop.add_reader(self._file, end)
+        try:
+            await wake
+        finally:
             self._loop.remove_reader(self._file)
-        else:
-            await self._loop.run_in_executor(None, self._thread.join)
+            timer.cancel()
 
-    def _readable(self) -> None:
-        self._read()
-        self._wake()
+    async def _wait_for_reading(self) -> None:
+        """Waits for the thread that reads the bus, if there is one."""
+        if self._reading is not None:
+            await asyncio.wait((self._reading,))
 
-    def _read(self) -> None:
-        try:
-            for _ in range(AT_ONCE):
-                message = self.bus.recv(0)
-                if message is None:
-                    return
-                self._arrived.append(message)
-        except (can.CanError, OSError, ValueError) as error:
-            self._error = error
 
-    def _run(self) -> None:
-        while not self._ended.is_set():
-            try:
-                message = self.bus.recv(0.05)
-            except (can.CanError, OSError, ValueError) as error:
-                self._loop.call_soon_threadsafe(self._fail, error)
-                return
-            if message is not None:
-                self._loop.call_soon_threadsafe(self._take, message)
-
-    def _take(self, message: can.Message) -> None:
-        self._arrived.append(message)
-        self._wake()
-
-    def _fail(self, error: Exception) -> None:
-        self._error = error
-        self._wake()
+def _end(wake: asyncio.Future[None]) -> None:
+    if not wake.done():
+        wake.set_result(None)

@@ -49,6 +49,8 @@ class Call:
     """Whether it changes nothing in the node."""
     differs: bool = False
     """Whether its reply never equals its frame."""
+    message: Any = None
+    """What its program sends; None if it sends nothing, because another call has the same frame."""
 
 
 @dataclass
@@ -136,9 +138,8 @@ class Line:
         """Whether no older reply can come. It is unknown what an earlier program sent."""
         self._reads = reads
         self._alike = alike
-        self._copies = copies
+        self._copies = copies if shares_ids else Copies(returned=False)
         self._counters = counters
-        self._shares_ids = shares_ids
         self._in_order = in_order
         self._owed: dict[Any, None] = {}
         self._current: Call | None = None
@@ -159,14 +160,14 @@ class Line:
 
     def feed(self, frame: Frame, now: float) -> Call | None:
         """A frame that may come from this node."""
-        if self._shares_ids and self._copies.take(frame):
+        if self._copies.take(frame):
             if self._copies.returned is None:
                 self._equal += 1
             return None
         if self._current is None or now < self._sent_at + self.floor:
             self._unexpected(frame, now)
             return None
-        if self._shares_ids and self._copies.returned is None and frame == self._current.frame:
+        if self._copies.returned is None and frame == self._current.frame:
             self._equal += 1
             return None
         reply = self._current.accept(frame)
@@ -234,13 +235,12 @@ class Line:
     def _send(self, call: Call, now: float) -> Call:
         self._current, self._sent_at, self.deadline, self._equal = call, now, now + call.timeout, 0
         self._counters.sent += 1
-        if self._shares_ids:
-            self._copies.add(call.frame)
+        self._copies.add(call.frame)
         return call
 
     def _needs_proof(self) -> bool:
         """Whether a read can show if the bus returns own frames, which is unknown."""
-        return self._shares_ids and self._copies.returned is None and any(read.differs for read in self._reads)
+        return self._copies.returned is None and any(read.differs for read in self._reads)
 
     def _make_certain(self, now: float) -> Call | None:
         """Sends a read whose reply is not owed, or the request if it is one."""
@@ -274,13 +274,11 @@ class Line:
         """A read has its reply: nothing older comes any more."""
         self._owed.clear()
         self.is_certain = True
-        is_proof = self._shares_ids and self._copies.returned is None and self._current and self._current.differs
+        is_proof = self._copies.returned is None and self._current and self._current.differs
         if is_proof and not self._equal:
             self._current, self.deadline = None, now + LATER_COPY
             return None
-        if is_proof:
-            self._copies.learn(returned=True)
-        return self._continue(now)
+        return self._proved(now) if is_proof else self._continue(now)
 
     def _proved(self, now: float) -> Call | None:
         if self._copies.returned is None:

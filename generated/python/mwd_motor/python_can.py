@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from collections import deque
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 
 import can
 
 from ._codec import CodecError, Message, Refusal
+from .exchange import LATER_COPY, Copies, Frame
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -66,14 +66,6 @@ def from_message(frame: can.Message, decode: Any, parameters: Any = None) -> Any
     return message
 
 
-MAX_EXPECTED = 1 << 12
-"""The most frames that are expected to come back; more than the transmit queues of drivers contain."""
-
-
-LATER_COPY = 0.05
-"""The time in seconds after a reply in which the copy of its request may still come."""
-
-
 class OwnFrames:
     """Sends on a bus, and recognizes the frames that the bus returns.
 
@@ -84,7 +76,7 @@ class OwnFrames:
     def __init__(self, bus: can.BusABC, *, are_returned: bool) -> None:
         self.bus = bus
         self.are_returned = are_returned
-        self._expected: deque[tuple[int, bool, bool, bool, bytes]] = deque(maxlen=MAX_EXPECTED)
+        self._copies = Copies(are_returned)
 
     @classmethod
     def learn(cls, bus: can.BusABC, request: Message, decode: Decoder[Any], timeout: float) -> OwnFrames:
@@ -93,12 +85,12 @@ class OwnFrames:
         `decode` is `partial(decode_answer, request)`. Raises TimeoutError if neither comes within a time in seconds,
         because nothing is certain then: without another node on the bus, a frame is neither sent nor returned.
         """
-        sent = _identity(to_message(request))
+        sent = frame_of(to_message(request))
         is_returned = is_answered = False
         bus.send(to_message(request))
         deadline = monotonic() + timeout
         while (left := deadline - monotonic()) > 0 and (frame := bus.recv(left)) is not None:
-            if _identity(frame) == sent:
+            if frame_of(frame) == sent:
                 is_returned = True
             elif not is_answered and _is_accepted(frame, decode):
                 is_answered = True
@@ -110,8 +102,7 @@ class OwnFrames:
     def send(self, message: Message) -> None:
         """Sends a frame. Raises what the bus raises."""
         frame = to_message(message)
-        if self.are_returned:
-            self._expected.append(_identity(frame))
+        self._copies.add(frame_of(frame))
         try:
             self.bus.send(frame)
         except can.CanError:
@@ -120,17 +111,13 @@ class OwnFrames:
 
     def is_own(self, frame: can.Message) -> bool:
         """Whether a received frame is one that was sent. Each counts once, so an equal one, such as an echo, is not."""
-        try:
-            self._expected.remove(_identity(frame))
-        except ValueError:
-            return False
-        return True
+        return self._copies.take(frame_of(frame))
 
 
-def _identity(frame: can.Message) -> tuple[int, bool, bool, bool, bytes]:
+def frame_of(message: can.Message) -> Frame:
     """What a frame and its copy have in common; the id is -1 for error frames, which are never sent."""
-    can_id = -1 if frame.is_error_frame else frame.arbitration_id
-    return can_id, frame.is_extended_id, frame.is_remote_frame, frame.is_fd, bytes(frame.data)
+    can_id = -1 if message.is_error_frame else message.arbitration_id
+    return can_id, message.is_extended_id, message.is_remote_frame, message.is_fd, bytes(message.data)
 
 
 def _is_accepted(frame: can.Message, decode: Decoder[Any]) -> bool:

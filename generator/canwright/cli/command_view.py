@@ -15,9 +15,20 @@ from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import ChecksumRole, CounterRole, Field, Layout, ReservedRole
+from ..model.exhaustive import assert_never
+from ..model.layout import (
+    ChecksumRole,
+    ConstantRole,
+    CounterRole,
+    Field,
+    GivenRole,
+    Layout,
+    ParameterRole,
+    ReservedRole,
+)
 from ..model.message import Command, EchoReply, IdRule, Message, OtherReply, SharedReply
 from ..model.metadata import Consent, FrameFormat, Level, Repeat
+from ..model.types import Type
 from ..semantics.dispatch import node_of_id
 
 _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"}
@@ -192,18 +203,29 @@ def _relevant(command: Command, layout: Layout, field: Field) -> tuple[str, ...]
 
 
 def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
-    type_ = field.type
-    if isinstance(field.role, ChecksumRole):
-        return f"checksum: {formatting.checksum(field.role)}", ""
-    if not field.role.is_value:
-        fixed = formatting.fixed(field.role) if field.role.sent_raw is None else str(field.role.sent_raw)
-        return "reserved, sent as" if isinstance(field.role, ReservedRole) else "constant", fixed
+    type_, role = field.type, field.role
+    match role:
+        case ChecksumRole():
+            return f"checksum: {formatting.checksum(role)}", ""
+        case ReservedRole():
+            return "reserved, sent as", str(role.raw)
+        case ConstantRole():
+            return "constant", str(role.raw)
+        case ParameterRole():
+            return "constant", role.parameter
+        case CounterRole():
+            return "counter", f"{role.first}..{role.last}"
+        case GivenRole():
+            return _values(type_, among)
+        case _:
+            assert_never(role)
+
+
+def _values(type_: Type, among: tuple[str, ...]) -> tuple[str, str]:
     if type_.enum:
         return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
     if type_.flags:
         return "\n".join(f"bit {m.value} {m.name}" for m in type_.flags), ""
-    if isinstance(field.role, CounterRole):
-        return "counter", f"{field.role.first}..{field.role.last}"
     scale = "\n".join(f"{step} ({names})" if names else step for names, step in formatting.scale(type_, among))
     limits = [f"{limits} ({names})" if names else limits for names, limits in formatting.ranges(type_)]
     limits += [f"{formatting.no_value(no_value)} {no_value.name}" for no_value in type_.no_values]

@@ -16,7 +16,7 @@ from ..model import formatting
 from ..model.edition import Edition
 from ..model.golden_frames import Value
 from ..model.joined import JoinedText
-from ..model.layout import Field, NodeRole
+from ..model.layout import Field
 from ..model.message import Direction, Message
 from ..model.refusal import Refusal
 from ..model.types import Assignment, Bound, Encoding, Range, Type
@@ -137,7 +137,7 @@ def encoded(
     if unknown is not None:
         hint = nearest(unknown, fields) or f"its fields are {', '.join(fields) or 'none'}"
         return f"{message.name} has no field `{visible(unknown)}`; {hint}"
-    known = {name: node for name, field in fields.items() if isinstance(field.role, NodeRole) and node is not None}
+    known = {name: node for name, field in fields.items() if field.is_node and node is not None}
     missing = [name for name in fields if name not in written and name not in known]
     if missing:
         listed = "; ".join(f"{name}={_allowed(fields[name], given)}" for name in missing)

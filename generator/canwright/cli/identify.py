@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -11,19 +12,21 @@ import click
 
 from ..model.edition import Edition
 from ..model.formatting import bus_id, counted, sent
+from ..recordings.bus_behaviour import LOOKED_AHEAD
 from ..recordings.exports import bus_name
 from ..recordings.grouping import groups
 from ..recordings.log_frame import Counts
 from ..recordings.neighbours import neighbours
-from ..recordings.nodes import Identifiers
+from ..recordings.nodes import Identifiers, nodes_of
 from ..recordings.readers import LogError
 from ..recordings.results import EditionScore, Evidence, Identification, NodeResult
+from ..recordings.two_recorders import repeated_after, two_recorders
 from ..semantics.configured import configured
 from . import INTERRUPTED
 from .bus import BusArguments, bus_options
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import at_frame, node_names
-from .log_source import ended_by_interrupt, log_or_bus
+from .log_source import ended_by_interrupt, log_directions, log_or_bus
 from .node_settings import differences_option, direction_of, recorder_option, split_option
 from .settings import assignment
 from .terminal import print_json, print_text
@@ -64,8 +67,9 @@ def identify(
     and plausible ranges of all frames, and may be undecided. If a node gets another edition, the result names the frame
     and the time of the change. Without --spec and without a folder spec/, the editions in the package are compared.
 
-    Exit status: 0 if the edition of every node is identified and does not change, 1 if not, 2 if it could not run, 130 if
-    Ctrl-C ended the log, after its result. Nodes with few frames, far apart, are listed last and do not affect it: their ids may be damaged.
+    Exit status: 0 if the edition of every node is identified and does not change, 1 if not, or if each frame is recorded
+    twice, as by two recorders; 2 if it could not run, 130 if Ctrl-C ended the log, after its result. Nodes with few frames,
+    far apart, are listed last and do not affect it: their ids may be damaged.
     """
     specifications = read(specs, packaged=True)
     known = assignment(specifications, settings)
@@ -74,7 +78,9 @@ def identify(
     try:
         source = log_or_bus(log, bus_arguments, has_differences=has_differences, is_split=is_split)
         with source as read_log, ended_by_interrupt(read_log):
-            for frame in read_log:
+            frames = iter(read_log)
+            start = list(itertools.islice(frames, LOOKED_AHEAD))
+            for frame in itertools.chain(start, frames):
                 identifiers.add(frame)
     except (LogError, OSError) as error:
         stop(str(error))
@@ -85,9 +91,14 @@ def identify(
         print_json(_facts(family, identification, read_log.counts))
     else:
         print_identification(own, identification, read_log.counts)
+    directions = log_directions(read_log, nodes_of(identifiers.best, ()), direction_of(recorder))
+    is_repeated = any(repeated_after(f for f in start if f.bus == bus) for bus in {f.bus for f in start})
+    doubtful = [*two_recorders(directions.learn(start))] if is_repeated else []
+    for doubt in doubtful:
+        print_text(f"{doubt}\n", error=form == "json")
     if read_log.is_ended:
         sys.exit(INTERRUPTED)
-    if not identification.is_complete:
+    if doubtful or not identification.is_complete:
         sys.exit(FINDINGS)
 
 

@@ -21,9 +21,8 @@ from ..recordings.explain import meanings
 from ..recordings.log_frame import Counts, LogFrame, Mark
 from ..recordings.nodes import Identifiers
 from ..semantics.configured import configured
-from ..semantics.exchange import is_read
+from ..semantics.exchange import is_read, reply_differs
 from ..semantics.frame import CanFrame
-from ..targets.python.client_facts import replies_differ
 from ..targets.python.runtime.exchange import Copies
 from ..targets.selected_nodes import selected_nodes
 from .bus import BusArguments, bus_options, opened_bus, returns_own_frames
@@ -153,11 +152,11 @@ class _Probes:
     def _harmless(self, edition: Edition) -> Iterator[Message]:
         differing: dict[Message, bool] = {}
         for command in edition.commands:
-            if is_read(edition, command) and command.request and command.reply:
+            if is_read(edition, command) and command.request:
                 node = command.request.id.nodes[0] if command.request.id.nodes else 1
                 frame = encoded(edition, command.request, node, {}, self._given)
                 if isinstance(frame, CanFrame) and self._is_harmless(frame):
-                    differing[command.request] = replies_differ(edition, command.request, command.reply, node)
+                    differing[command.request] = reply_differs(edition, command)
         yield from sorted(differing, key=lambda message: not differing[message])
 
     def _is_harmless(self, frame: CanFrame) -> bool:
@@ -192,7 +191,7 @@ class _Scanner:
     def _exchange(self, frame: CanFrame) -> Iterator[LogFrame]:
         import can
 
-        from ..targets.python.runtime.client import frame_of
+        from ..targets.python.runtime.python_can import frame_of
 
         message = can.Message(
             arbitration_id=frame.id, is_extended_id=frame.extended, is_remote_frame=frame.remote, data=frame.data
@@ -209,7 +208,7 @@ class _Scanner:
                 return
             if received.is_error_frame:
                 self.errors += 1
-            elif not received.is_rx or self._copies.take(frame_of(received)):
+            elif self._copies.take(frame_of(received)):
                 self._returned += 1
             else:
                 is_answered = True

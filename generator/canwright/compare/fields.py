@@ -9,7 +9,19 @@ from ..diagnostics.diagnostic import DocumentPath
 from ..language.notation import At, frame_bits
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import ChecksumRole, CounterRole, Field, Layout, NodeRole, ReservedRole, Space
+from ..model.exhaustive import assert_never
+from ..model.layout import (
+    ChecksumRole,
+    ConstantRole,
+    CounterRole,
+    Field,
+    GivenRole,
+    Layout,
+    ParameterRole,
+    ReservedRole,
+    Role,
+    Space,
+)
 from ..model.message import Message
 from ..model.types import Encoding, Type
 from . import match, quantities
@@ -96,9 +108,7 @@ def place_of(field: Field) -> str:
 _OF_FIELD = (
     Attribute[Field]("array-changed", "array", _array),
     Attribute[Field]("field-condition-changed", "only", lambda f: ", ".join(f.only) or Keyword("all")),
-    Attribute[Field](
-        "holds-changed", "holds", lambda f: Keyword("the node" if isinstance(f.role, NodeRole) else "a value")
-    ),
+    Attribute[Field]("holds-changed", "holds", lambda f: Keyword("the node" if f.is_node else "a value")),
     Attribute[Field]("variable-changed", "variable", lambda f: f.variable or Keyword("none"), impact=Impact.SILENT),
 )
 
@@ -112,11 +122,11 @@ def _field(field: Subject, both: Editions, old: Field, new: Field) -> None:
     if old.role != new.role and any(isinstance(f.role, ChecksumRole) for f in (old, new)):
         before, after = ((*f.path, f.role.key or ChecksumRole.key) for f in (old, new))
         checksum = field.within(before, after)
-        checksum.add("checksum-changed", name=new.name, old=_constant(old), new=_constant(new))
+        checksum.add("checksum-changed", name=new.name, old=_constant(old.role), new=_constant(new.role))
     elif fixed[0] != fixed[1]:
         before, after = ((*f.path, f.role.key) for f in (old, new))
         constant = field.within(before, after)
-        constant.add("constant-changed", name=new.name, old=_constant(old), new=_constant(new))
+        constant.add("constant-changed", name=new.name, old=_constant(old.role), new=_constant(new.role))
     counters = [f.role if isinstance(f.role, CounterRole) else None for f in (old, new)]
     if counters[0] != counters[1]:
         counter = field.within(*((*f.path, CounterRole.key) for f in (old, new)))
@@ -133,14 +143,20 @@ def _counter(role: CounterRole | None) -> SentenceArgument:
     return (Keyword("a counter"), f" {role.first}..{role.last}") if role else Keyword("a value")
 
 
-def _constant(field: Field) -> SentenceArgument:
-    if field.role.is_value:
-        return Keyword("any value")
-    if isinstance(field.role, ChecksumRole):
-        return formatting.checksum(field.role)
-    if isinstance(field.role, ReservedRole):
-        return (Keyword("any value"), ", ", Keyword("sent as"), f" {field.role.sent_raw}")
-    return formatting.fixed(field.role) if field.role.sent_raw is None else str(field.role.sent_raw)
+def _constant(role: Role) -> SentenceArgument:
+    match role:
+        case GivenRole():
+            return Keyword("any value")
+        case ChecksumRole():
+            return formatting.checksum(role)
+        case ReservedRole():
+            return (Keyword("any value"), ", ", Keyword("sent as"), f" {role.raw}")
+        case ConstantRole():
+            return str(role.raw)
+        case ParameterRole():
+            return role.parameter
+        case _:
+            assert_never(role)
 
 
 def _moved(old: Field, new: Field) -> bool:

@@ -85,7 +85,7 @@ class DbcAdapter(Adapter):
                 self._left_out |= set(frame.hidden)
         self._routes = {direction: dispatch_plan(self.edition, direction).routes for direction in Direction}
         self._fixed_in_id = {
-            m: [f for f in m.layout.fields if f.space is Space.ID and not f.role.is_value]
+            m: [f for f in m.layout.fields if f.space is Space.ID and not f.is_given]
             for m in self.edition.all_messages()
         }
         self._whole = [p.name for p in self.edition.parameters if p.whole]

@@ -151,7 +151,7 @@ def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
     signals = _signals(message)
     for element in field.elements:
         name = f"{prefix}{field.name}" + ("" if element.index is None else f"_{element.index}")
-        if not field.type.flags or not field.role.is_value:
+        if not field.type.flags or not field.is_given:
             places = _whole(signals.get(name)) or _parts(name, signals)
         else:
             places = _flags(name, field, signals)

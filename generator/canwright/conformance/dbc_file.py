@@ -133,7 +133,7 @@ class DbcFile:
                 read = [place.raw(numbers) for place in places]
                 if field.role.required_raw is not None and read != [field.role.required_raw] * len(read):
                     raise Cannot("constants")
-                if field.role.is_value:
+                if field.is_given:
                     raw[field.name] = read if field.is_array else read[0]
                     values[field.name] = joined_value(field, read) if field.type.joined else values_of(places, shown)
                     numbered = read if field.type.no_values and not field.type.joined else ()
@@ -214,10 +214,10 @@ class DbcFile:
             if field.type.joined and scaled:
                 raise Cannot("joined")
             sent = [field.role.sent_raw or 0] * len(field.elements)
-            value = given.get(field.name) if field.role.is_value else sent
+            value = given.get(field.name) if field.is_given else sent
             parts: Sequence[Any] = value if isinstance(value, list) and not field.type.flags else [value]
             for place, part in zip(cells(can_message, prefix, field), parts, strict=False):
-                put = place.put_raw if not field.role.is_value or not scaled else place.put_value
+                put = place.put_raw if not field.is_given or not scaled else place.put_value
                 refused = None if part is None else put(data, part, parameters)
                 if refused:
                     return refused

@@ -8,7 +8,19 @@ from fractions import Fraction
 from typing import NamedTuple, Protocol
 
 from .checksum import Arithmetic, ConstantBytes, DataBytes, Input
-from .layout import ChecksumRole, Field, FieldRole, ParameterRole, Segment, Space, is_one_run, runs_of
+from .exhaustive import assert_never
+from .layout import (
+    ChecksumRole,
+    Field,
+    FixedRole,
+    GivenRole,
+    ParameterRole,
+    Role,
+    Segment,
+    Space,
+    is_one_run,
+    runs_of,
+)
 from .message import Command, FrameSequence, IdRule, Key
 from .metadata import Effect, FrameFormat
 from .sending import Occasion, Sending
@@ -425,8 +437,14 @@ def _multiple_in_id(name: str, step: int, *, is_alone: bool) -> str:
     return f"{name} * {step}" if step.bit_count() > 1 else shift if is_alone else f"({shift})"
 
 
-def fixed(role: FieldRole) -> str:
-    """The raw integer that every sender writes, or the parameter that is it; empty for a value."""
-    if isinstance(role, ParameterRole):
-        return role.parameter
-    return "" if role.sent_raw is None else constant(role.sent_raw)
+def fixed(role: Role) -> str:
+    """The raw integer that every sender writes, or the parameter that is it; empty for what differs from frame to frame."""
+    match role:
+        case FixedRole():
+            return constant(role.raw)
+        case ParameterRole():
+            return role.parameter
+        case GivenRole() | ChecksumRole():
+            return ""
+        case _:
+            assert_never(role)

@@ -95,8 +95,6 @@ class FieldRole(ABC):
 
     key: ClassVar[str]
     """The key of the language that selects the role; empty for a value."""
-    is_value: ClassVar[bool]
-    """Whether messages have the field as a value, which users give to an encoder and get from a decoder."""
     is_checked: ClassVar[bool]
     """Whether the receiver rejects a frame because of this role."""
 
@@ -112,30 +110,31 @@ class FieldRole(ABC):
 
 
 @dataclass(frozen=True)
-class ValueRole(FieldRole):
+class GivenRole(FieldRole):
+    """Messages have the field as a value, which users give to an encoder and get from a decoder."""
+
+    is_checked = False
+
+
+@dataclass(frozen=True)
+class ValueRole(GivenRole):
     """The sender chooses the value."""
 
     key = ""
-    is_value = True
-    is_checked = False
 
 
 @dataclass(frozen=True)
-class NodeRole(FieldRole):
+class NodeRole(GivenRole):
     """The value is the node that receives or sends the frame, or the low bits of its number."""
 
     key = "holds"
-    is_value = True
-    is_checked = False
 
 
 @dataclass(frozen=True)
-class CounterRole(FieldRole):
+class CounterRole(GivenRole):
     """A value that the sender increments with each frame: `first` follows on `last`."""
 
     key = "counter"
-    is_value = True
-    is_checked = False
     first: int
     last: int
 
@@ -144,7 +143,6 @@ class CounterRole(FieldRole):
 class FixedRole(FieldRole):
     """The field is always sent as the same raw integer."""
 
-    is_value = False
     raw: int
 
     @property
@@ -169,7 +167,6 @@ class ParameterRole(FieldRole):
     """The raw integer is the value of a parameter; a receiver that knows the parameter rejects any other."""
 
     key = "constant"
-    is_value = False
     is_checked = False
     parameter: str
 
@@ -187,7 +184,6 @@ class ChecksumRole(FieldRole):
     """The sender computes the field from other bytes of the frame, and a receiver rejects any other raw integer."""
 
     key = "checksum"
-    is_value = False
     is_checked = True
     name: str
     """The name of the algorithm; empty if the spec states its parameters."""
@@ -200,6 +196,9 @@ class ChecksumRole(FieldRole):
         parts = itertools.takewhile(lambda part: isinstance(part, ConstantBytes), self.inputs)
         return b"".join(part.data for part in parts if isinstance(part, ConstantBytes))
 
+
+Role = ValueRole | NodeRole | CounterRole | ConstantRole | ParameterRole | ReservedRole | ChecksumRole
+"""Every role, so that the type checker names each place that does not decide about one of them."""
 
 ROLE_KEYS = (ConstantRole.key, ReservedRole.key, NodeRole.key, ChecksumRole.key, CounterRole.key)
 """The keys of the language of which a field has at most one."""
@@ -222,13 +221,23 @@ class Field:
     elements: tuple[Element, ...]
     is_array: bool
     only: tuple[str, ...]
-    role: FieldRole
+    role: Role
     variable: str | None
     title: Text
     about: Text
     manual: str
     manual_name: str
     path: DocumentPath
+
+    @cached_property
+    def is_given(self) -> bool:
+        """Whether messages have the field as a value, which users give to an encoder and get from a decoder."""
+        return isinstance(self.role, GivenRole)
+
+    @property
+    def is_node(self) -> bool:
+        """Whether the value is the node that receives or sends the frame, or the low bits of its number."""
+        return isinstance(self.role, NodeRole)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

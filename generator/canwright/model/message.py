@@ -10,7 +10,7 @@ from functools import cached_property
 
 from ..diagnostics.diagnostic import DocumentPath
 from .deprecation import Deprecation
-from .layout import Field, Layout, NodeRole, ParameterRole, Segment, Space
+from .layout import Field, Layout, ParameterRole, Segment, Space
 from .metadata import Effect, EndsMotion, Repeat, Setting
 from .sending import Sending
 from .types import Assignment, ImpliedTitle, Member, Order, Text, number_of
@@ -183,7 +183,7 @@ class Message:
     @property
     def node_bits(self) -> BitRun | None:
         """The bits of the field that contains the node or its low bits; None without such a field."""
-        field = next((f for f in self.layout.fields if isinstance(f.role, NodeRole)), None)
+        field = next((f for f in self.layout.fields if f.is_node), None)
         if field is None:
             return None
         return BitRun(

@@ -9,16 +9,19 @@ from ..model.message import Direction
 from .bus_behaviour import Behaviour
 from .directions import DecidedBy
 from .summary import Summary
+from .two_recorders import two_recorders
 
 _LEAST = 8
 """The number of replies from which a share of unexpected ones is taken."""
 _SHOWN = 3
 """The number of commands that are listed."""
+_PLURALS = {Direction.REQUEST: "requests", Direction.REPLY: "replies"}
 _MARKS = "to be certain, record the marks of sent frames (`candump -l -x`, BLF, ASC)"
 
 
 def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[str]:
     """A sentence for each bus whose directions are not certain."""
+    yield from two_recorders(behaviours)
     replies: Counter[str] = Counter()
     unexpected: Counter[str] = Counter()
     inferred: Counter[str] = Counter()
@@ -29,11 +32,6 @@ def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[st
     for bus, count in replies.items():
         where = f"{bus}: " if bus else ""
         behaviour = behaviours.get(bus, Behaviour())
-        if behaviour.repeated_after is not None:
-            yield (
-                f"{where}each frame is recorded twice, again after {behaviour.repeated_after / 1_000_000:g} ms, as by two "
-                "recorders: replies can answer the wrong requests; keep the frames of one recorder"
-            )
         if count >= _LEAST and 4 * unexpected[bus] > count:
             causes = ["it lacks requests", "replies take longer than --window"]
             if inferred[bus]:
@@ -57,5 +55,5 @@ def copies(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[st
         where = f"{bus}: " if bus else ""
         count = sum(node.copies for (of, _), node in summary.nodes.items() if of == bus)
         if count:
-            what = " and ".join(f"{direction.value}s" for direction in Direction if direction in behaviour.copied)
+            what = " and ".join(_PLURALS[direction] for direction in Direction if direction in behaviour.copied)
             yield f"{where}{what} are recorded twice; {count} copies are not counted"

@@ -74,7 +74,7 @@ def _meaning(form: MessageForm, frame: CanFrame, assignment: Assignment, only: O
     variant = message.layout.variant(assignment)
     fields = variant.fields if variant else message.layout.fields
     parameter = None if variant else message.layout.parameter
-    varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.role.is_value]
+    varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.is_given]
     meanings = [meaning for f, limits in varying for meaning in _fields(f, frame, assignment, only, limits)]
     meanings += [_checksum(field, frame) for field in fields if isinstance(field.role, ChecksumRole)]
     unusual = [*_reserved(form, frame)]

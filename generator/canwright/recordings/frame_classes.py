@@ -349,7 +349,7 @@ def form_of(message: Message, frame: CanFrame) -> MessageForm:
     always = [f for f in message.layout.fields if not f.only]
     constant = [f for f in always if f.role.required_raw is not None]
     in_id = [f for f in constant if f.space is Space.ID]
-    limited = [(f, _allows(f.type)) for f in always if f.role.is_value and f.space is Space.DATA]
+    limited = [(f, _allows(f.type)) for f in always if f.is_given and f.space is Space.DATA]
     reserved = message_plan(message).reserved
     return MessageForm(
         message=message,

@@ -16,7 +16,7 @@ from ..document import ambiguous
 from ..language.notation import BLANK
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import Field, NodeRole
+from ..model.layout import Field
 from ..model.message import Message
 from ..model.types import Assignment, Parameter
 from ..semantics.decoder import Decoded, Decoder, Rejection, Value
@@ -81,12 +81,12 @@ def skeleton_text(edition: Edition, message: Message, assignment: Assignment, so
     node = _example_node(message)
     raws: dict[str, Raw] = {}
     for name, field in fields.items():
-        raw = (node or 0) if isinstance(field.role, NodeRole) else end_raw(encoder, field)
+        raw = (node or 0) if field.is_node else end_raw(encoder, field)
         raws[name] = [raw] * len(field.elements) if field.is_array else raw
     sent = encoder.encode_raws(message, node, raws)
     decoded = Decoder(edition).decode_as(message, sent, assignment) if isinstance(sent, CanFrame) else sent
     values = {} if isinstance(decoded, Rejection) else _values(decoded, assignment)
-    own = [name for name, field in fields.items() if not isinstance(field.role, NodeRole)]
+    own = [name for name, field in fields.items() if not field.is_node]
     rest = {name: str(raws[name]) for name in own if values.get(name) in (None, "none")}
     return _wrapped(
         [
@@ -137,7 +137,7 @@ def _values(decoded: Decoded, assignment: Assignment) -> dict[str, str]:
     values = {
         field.name: _value(decoded.values[field.name])
         for field in decoded.variant.fields
-        if field.role.is_value
+        if field.is_given
         and (
             isinstance(decoded.values.get(field.name), str)
             or all(name in assignment for name in needed(field.type, assignment))

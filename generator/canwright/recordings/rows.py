@@ -197,7 +197,7 @@ def _fields(message: Message, assignment: Assignment) -> tuple[Sequence[Field], 
     layout = message.layout
     variant = layout.variant(assignment)
     fields = variant.fields if variant else tuple(field for field in layout.fields if not field.only)
-    fields = tuple(field for field in fields if field.role.is_value)
+    fields = tuple(field for field in fields if field.is_given)
     missing = [] if variant or layout.parameter is None else [layout.parameter]
     missing += [name for field in fields for name in needed(field.type, assignment) if name not in assignment]
     return fields, tuple(dict.fromkeys(missing))

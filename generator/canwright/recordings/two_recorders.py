@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ..semantics.frame import CanFrame
+from .bus_behaviour import Behaviour
 from .log_frame import LogFrame
 
 _LEAST = 32
@@ -48,6 +49,16 @@ def repeated_after(frames: Iterable[LogFrame]) -> int | None:
     frequent = [gap for gap, number in gaps.most_common(_CANDIDATES) if gap and 8 * number >= count]
     best = max(frequent, key=lambda gap: _share(listed, gap * _ALIKE), default=0)
     return best * _ALIKE if _share(listed, best * _ALIKE) >= _SHARE else None
+
+
+def two_recorders(behaviours: Mapping[str, Behaviour]) -> Iterator[str]:
+    """A sentence for each bus whose frames are repeated."""
+    for bus, behaviour in behaviours.items():
+        if behaviour.repeated_after is not None:
+            yield (
+                f"{f'{bus}: ' if bus else ''}each frame is recorded twice, again after {behaviour.repeated_after / 1_000_000:g} "
+                "ms, as by two recorders: replies can answer the wrong requests; keep the frames of one recorder"
+            )
 
 
 def _share(listed: Sequence[Sequence[int]], lag: int) -> float:

@@ -23,7 +23,6 @@ from ..model.golden_frames import (
     Sourced,
 )
 from ..model.joined import JoinedText
-from ..model.layout import NodeRole
 from ..model.message import Direction, Message
 from ..model.types import Assignment, Text
 from ..semantics.frame import CanFrame, Raw, node_in_id, raws, sent_id
@@ -148,7 +147,7 @@ def _completed_raws(
     variant = message.layout.variant(typed_parameters(edition, frame.parameters))
     if variant is None:
         return {}
-    nodes = {field.name for field in variant.fields if isinstance(field.role, NodeRole)}
+    nodes = {field.name for field in variant.fields if field.is_node}
     return {name: raw for name, raw in raws(variant, can).items() if name in frame.values or name in nodes}
 
 

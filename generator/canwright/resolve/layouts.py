@@ -18,11 +18,11 @@ from ..model.layout import (
     CounterRole,
     Element,
     Field,
-    FieldRole,
     Layout,
     NodeRole,
     ParameterRole,
     ReservedRole,
+    Role,
     Segment,
     Space,
     ValueRole,
@@ -294,7 +294,7 @@ def _joined(bits: Sequence[tuple[int, int]]) -> tuple[Segment, ...]:
     return tuple(segments)
 
 
-def _role(written: schema.FieldSpec, type_: Type) -> FieldRole:
+def _role(written: schema.FieldSpec, type_: Type) -> Role:
     if written.holds is not None:
         return NodeRole()
     if written.counter is not None:

@@ -10,7 +10,7 @@ from ..language.edition import EditionSpec, MessageSpec
 from ..model import formatting
 from ..model.edition import Edition
 from ..model.golden_frames import GoldenFrame
-from ..model.layout import Field, NodeRole, Space
+from ..model.layout import Field, Space
 from ..model.message import Direction, Message
 from ..model.refusal import Refusal
 from ..model.types import Assignment, Order, Type
@@ -216,7 +216,7 @@ def _raws(
 
 def _raw_hint(field: Field, raw: Raw, wanted: Raw, assignment: Assignment) -> str:
     """The hint for a raw integer that differs from that in the data."""
-    if isinstance(field.role, NodeRole):
+    if field.is_node:
         return f"this field contains the node: write `node: {raw}`, or check `data`"
     if _is_swapped(raw, wanted, field.type.width):
         return f"the other byte order gives {wanted}: check `data`, and `byte_order` in the spec"

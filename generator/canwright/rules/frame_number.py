@@ -21,7 +21,7 @@ def check(subject: CheckInput) -> Findings:
 def _mismatch(name: str, field: Field | None, last: int) -> str:
     if field is None:
         return f"the reply has no field `{name}`"
-    if field.is_array or field.only or not field.role.is_value:
+    if field.is_array or field.only or not field.is_given:
         return f"`{name}` cannot contain the number of the frame: it is no single value that each frame has"
     if not field.type.is_plain or field.type.encoding is not Encoding.UNSIGNED:
         return f"`{name}` cannot contain the number of the frame: it is not an unsigned number without a scale"

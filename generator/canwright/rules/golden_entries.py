@@ -75,7 +75,7 @@ def described(decoded: Decoded) -> str:
     fields = [
         f"{field.name} {_shown(field, decoded.raws[field.name], decoded.values[field.name])}"
         for field in decoded.variant.fields
-        if field.role.is_value
+        if field.is_given
     ]
     return named(decoded.message, decoded.node) + (f": {', '.join(fields)}" if fields else "")
 

@@ -9,7 +9,7 @@ from .rule import CheckInput, Finding, Findings
 
 def check(subject: CheckInput) -> Findings:
     for message in subject.edition.all_messages():
-        fields = [f for f in message.layout.fields if isinstance(f.role, NodeRole)]
+        fields = [f for f in message.layout.fields if f.is_node]
         for i, field in enumerate(fields):
             reason = f"`{fields[0].name}` already contains the node" if i else _mismatch(field)
             if reason:

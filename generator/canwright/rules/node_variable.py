@@ -13,7 +13,7 @@ def check(subject: CheckInput) -> Findings:
     read: dict[str, Field] = {}
     for message in subject.edition.all_messages():
         for field in message.layout.fields:
-            if field.variable is not None and not field.role.is_value:
+            if field.variable is not None and not field.is_given:
                 text = f"`{field.name}` is no value, so it neither reads nor writes a variable"
                 yield Finding((*field.path, "variable"), text, "remove `variable`")
             elif message.direction is Direction.REPLY:

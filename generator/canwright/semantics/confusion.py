@@ -109,7 +109,7 @@ def required_bits(message: Message, conditions: Iterable[tuple[BitRun, int]]) ->
         mask |= _at(run.space, placed(run.segments, -1))
         value |= _at(run.space, placed(run.segments, required))
     for field in message.layout.fields:
-        for element in field.elements if field.role.is_value else ():
+        for element in field.elements if field.is_given else ():
             raw_mask = raw = 0
             for s in element.segments:
                 low, width = _at(field.space, 1 << s.byte * 8 + s.low).bit_length() - 1, (1 << s.width) - 1

@@ -12,6 +12,7 @@ from ..model.message import BitRun, Command, Direction, EchoReply, Message, Repl
 from ..model.refusal import Refusal
 from ..model.types import NO_PARAMETERS, Assignment
 from .decoder import Decoder, Identified, Rejection, rejects_checked
+from .encoder import Encoder
 from .frame import CanFrame, difference, node_in_id, read_bits
 from .plan import message_plan
 
@@ -154,8 +155,28 @@ def is_read(edition: Edition, command: Command) -> bool:
         return False
     reply = command.replies[0]
     has_one_frame = not reply.from_each and reply.frames == 1 and not isinstance(reply, EchoReply)
-    is_bare = not command.effects and not any(field.role.is_value for field in request.layout.fields)
+    is_bare = not command.effects and not any(field.is_given for field in request.layout.fields)
     return has_one_frame and is_bare and has_node(request)
+
+
+def reply_differs(edition: Edition, command: Command) -> bool:
+    """Whether no working node replies to a read with the frame of its request."""
+    request, reply = command.request, command.reply
+    if request is None or reply is None or request.id != reply.id:
+        return True
+    encoder = Encoder({})
+    node = (request.id.nodes[0] if request.id.nodes else 1) if request.id.nodes is not None else None
+    frame = encoder.encode_raws(request, node, {})
+    if isinstance(frame, Rejection) or reply.layout.parameter is not None:
+        return False
+    decoded = Decoder(edition).decode_as(reply, frame, {})
+    if isinstance(decoded, Rejection):
+        return True
+    return any(
+        encoder.rejects_raw(field, decoded.raws[field.name]) or not field.type.is_plausible(decoded.values[field.name])
+        for field in decoded.variant.fields
+        if field.is_given
+    )
 
 
 def has_node(message: Message) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ..model import formatting
-from ..model.layout import Field, NodeRole, ParameterRole, Segment, Space, Variant
+from ..model.layout import Field, ParameterRole, Segment, Space, Variant
 from ..model.message import BitRun, IdRule, Message
 from ..model.types import NO_PARAMETERS, Assignment, Encoding, Type, number_of
 from .bits import placed
@@ -69,7 +69,7 @@ def bits_at(parts: Parts, source: int) -> int:
 
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
     """The raw integer of each value of a variant."""
-    return {f.name: raw_of(f, frame) for f in variant.fields if f.role.is_value}
+    return {f.name: raw_of(f, frame) for f in variant.fields if f.is_given}
 
 
 def checksum_of(plan: ChecksumPlan, frame: CanFrame) -> int:
@@ -145,7 +145,7 @@ def sent_id(message: Message, node: int | None, assignment: Assignment = NO_PARA
     for field in message.layout.fields:
         if field.space is not Space.ID:
             continue
-        raw = node if isinstance(field.role, NodeRole) else field.role.sent_raw
+        raw = node if field.is_node else field.role.sent_raw
         if isinstance(field.role, ParameterRole):
             raw = parameter_raw(field.role.parameter, assignment)
         if raw is None:

@@ -11,14 +11,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NoReturn
 
 from ..model.edition import Edition
+from ..model.exhaustive import assert_never
 from ..model.layout import (
     ChecksumRole,
     ConstantRole,
     Field,
     FixedRole,
+    GivenRole,
     ParameterRole,
     ReservedRole,
     Segment,
@@ -173,11 +174,6 @@ EncodingStep = (
 )
 
 
-def assert_never(step: NoReturn) -> NoReturn:
-    """Where a target has printed all steps: the type checker reports one that it lacks."""
-    raise AssertionError(f"no printer for {step}")
-
-
 @dataclass(frozen=True)
 class AcceptedKey:
     """A key with the values that a receiver accepts; a sender writes the first one, or one that is given."""
@@ -259,7 +255,7 @@ def only_by_request(edition: Edition) -> Sequence[Message]:
 
 def value_fields(fields: Iterable[Field]) -> Mapping[str, Field]:
     """The fields that users see, by name."""
-    return {field.name: field for field in fields if field.role.is_value}
+    return {field.name: field for field in fields if field.is_given}
 
 
 def _accepted(message: Message, number: int) -> AcceptedKey:
@@ -289,15 +285,21 @@ def _encoding(message: Message) -> Iterator[EncodingStep]:
     if message.id.parameter is not None:
         yield NeedParameter(message.id.parameter)
     yield from _choice(message)
-    values = [field for field in fields if field.role.is_value]
+    values = [field for field in fields if field.is_given]
     yield from map(CheckField, values)
     yield from map(WriteCode, message.keys[:1])
     yield from (WriteFixed(key.space, key.segments, key.value, None) for key in message.keys[1:])
     for field in fields:
-        if isinstance(field.role, FixedRole):
-            yield from (WriteFixed(field.space, e.segments, field.role.raw, field) for e in field.elements)
-        elif isinstance(field.role, ParameterRole):
-            yield WriteParameter(field, field.role.parameter)
+        role = field.role
+        match role:
+            case FixedRole():
+                yield from (WriteFixed(field.space, e.segments, role.raw, field) for e in field.elements)
+            case ParameterRole():
+                yield WriteParameter(field, role.parameter)
+            case GivenRole() | ChecksumRole():
+                pass  # written after all that is fixed
+            case _:
+                assert_never(role)
     yield from map(WriteField, values)
     yield from (WriteChecksum(field, checksum_plan(message, field)) for field in _checksums(message))
     yield from map(CheckMeaning, message.confusions)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ..model.edition import Edition
 from ..model.golden_frames import GoldenFrame, GoldenFrames, RawValue
-from ..model.layout import Field, NodeRole
+from ..model.layout import Field
 from ..model.message import Command, Direction, Message
 from ..model.types import Assignment, Type
 from ..semantics.decoder import Decoder, Rejection
@@ -126,7 +126,7 @@ class Examples:
         variant = message.layout.variant(self.usual_parameters) if message else None
         if message is None or variant is None:
             return None
-        fields = (field for field in variant.fields if field.role.is_value)
+        fields = (field for field in variant.fields if field.is_given)
         raws: dict[str, RawValue] = {f.name: _simplest_raw(f, node, self.usual_parameters) for f in fields}
         node_of_id = None if message.id.nodes is None else node
         frame = Encoder(self.usual_parameters).encode_raws(message, node_of_id, raws)
@@ -165,7 +165,7 @@ def _simplest_raw(field: Field, node: int, parameters: Assignment) -> RawValue:
     """The node or its low bits in a field for it, the first name of an enum, else the valid raw integer next to 0."""
     valid = valid_raws(field.type).at(parameters)
     raw = field.type.enum[0].value if field.type.enum else 0
-    if isinstance(field.role, NodeRole):
+    if field.is_node:
         raw = node & (1 << field.type.width) - 1
     elif isinstance(valid, RawInterval):
         raw = max(valid.low, min(valid.high, 0))

@@ -11,8 +11,21 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import ClassVar, TypeVar
 
 from ..model.edition import Edition
+from ..model.exhaustive import assert_never
 from ..model.joined import JoinedDigits, JoinedText
-from ..model.layout import ChecksumRole, ConstantRole, CounterRole, Field, Layout, ParameterRole, Segment, Space
+from ..model.layout import (
+    ChecksumRole,
+    ConstantRole,
+    CounterRole,
+    Field,
+    GivenRole,
+    Layout,
+    ParameterRole,
+    ReservedRole,
+    Role,
+    Segment,
+    Space,
+)
 from ..model.message import BitRun, Direction, IdRule, Message
 from ..model.types import ByParameter, Linear, Type
 from ..semantics import dispatch
@@ -92,19 +105,31 @@ class EditionTables(Positions, ABC):
         A constant without it has the value of `parameter`. A `checksum` is computed as the
         message states.
         """
-        fixed = field.role.sent_raw
         return {
             "name": field.name,
             "type": self.types[field.type],
             "elements": [segments(element.segments, field.space) for element in field.elements],
             "indices": [element.index or 0 for element in field.elements] if field.is_array else None,
             "only": list(field.only) or None,
-            "fixed": None if fixed is None else self.integer(fixed, field.type.width),
-            "constant": field.role.key == ConstantRole.key or None,
-            "parameter": field.role.parameter if isinstance(field.role, ParameterRole) else None,
-            "checksum": isinstance(field.role, ChecksumRole) or None,
-            "counter": [field.role.first, field.role.last] if isinstance(field.role, CounterRole) else None,
+            **self._role(field.role, field.type.width),
         }
+
+    def _role(self, role: Role, width: int) -> dict[str, Value]:
+        match role:
+            case ConstantRole():
+                return {"fixed": self.integer(role.raw, width), "constant": True}
+            case ReservedRole():
+                return {"fixed": self.integer(role.raw, width)}
+            case ParameterRole():
+                return {"constant": True, "parameter": role.parameter}
+            case ChecksumRole():
+                return {"checksum": True}
+            case CounterRole():
+                return {"counter": [role.first, role.last]}
+            case GivenRole():
+                return {}
+            case _:
+                assert_never(role)
 
     def message(self, message: Message) -> dict[str, Value]:
         """A message; `frames` are the field with the number of the frame, the first and the last number, if there are several."""

@@ -90,7 +90,7 @@ class CAdapter(Adapter):
         assert not self.reports_absent or all(
             value in (f"?{Refusal.NOT_AVAILABLE.value}", "+") for _, value in absent
         ), command
-        for field in (f for f in variant.fields if f.role.is_value):
+        for field in (f for f in variant.fields if f.is_given):
             mine = [(int(number), value) for name, number, value in items if name == field.name]
             if field.type.joined is not None:
                 raw[field.name] = [number for number, _ in mine]

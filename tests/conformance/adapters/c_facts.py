@@ -98,7 +98,7 @@ class Facts:
         }
         self._macros = [match[1] for match in _MACRO.finditer(header) if not match[1].endswith(("_SPEC", "_VERSION"))]
         names = self._names = Names(edition)
-        fields = dict.fromkeys(f.name for layout in layouts(edition) for f in layout.fields if f.role.is_value)
+        fields = dict.fromkeys(f.name for layout in layouts(edition) for f in layout.fields if f.is_given)
         self._commands = {"": names.command("none"), **{c.name: names.command(c.name) for c in edition.commands}}
         self._fields = {"": names.upper("field", "none"), **{name: names.upper("field", name) for name in fields}}
         if names.lower("field_name") not in functions(header):

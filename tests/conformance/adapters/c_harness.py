@@ -100,7 +100,7 @@ class _Harness:
                 {
                     "enumerator": self._in_c.command(m.command),
                     "layout": self._names(m.layout),
-                    "fields": [self._field(field) for field in m.layout.fields if field.role.is_value],
+                    "fields": [self._field(field) for field in m.layout.fields if field.is_given],
                     "member": member(self._in_c.short(m.command)),
                 }
                 for m in messages
@@ -123,7 +123,7 @@ class _Harness:
         return {"name": layout.name, "c": self._in_c.lower(layout.name)}
 
     def _layout(self, layout: Layout) -> dict[str, Any]:
-        fields = [self._field(field) for field in layout.fields if field.role.is_value]
+        fields = [self._field(field) for field in layout.fields if field.is_given]
         pack = self._functions.get(self._in_c.lower(layout.name, "pack"))
         return {
             **self._names(layout),
@@ -190,7 +190,7 @@ class _Harness:
 
 
 def _has_members(edition: Edition, layout: Layout) -> bool:
-    return any(field.role.is_value for field in layout.fields) or bool(_code_kind(edition, layout))
+    return any(field.is_given for field in layout.fields) or bool(_code_kind(edition, layout))
 
 
 def _code_kind(edition: Edition, layout: Layout) -> str:

@@ -77,7 +77,7 @@ def _has_members(edition: Edition, layout: Layout) -> bool:
 
 
 def _fields(layout: Layout) -> list[Field]:
-    return [field for field in layout.fields if field.role.is_value]
+    return [field for field in layout.fields if field.is_given]
 
 
 def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 
 from ...model.joined import JoinedText
-from ...model.layout import Field, NodeRole, Space
+from ...model.layout import Field, Space
 from ...model.message import BitRun, Direction, Message
 from ...model.types import Assignment, Encoding, Type
 from ...semantics.bits import data_bits, placed
@@ -99,7 +99,7 @@ class Sender:
     def _base(self) -> Mapping[str, Raw] | None:
         chosen: dict[str, Raw] = {}
         for name, field in self.fields.items():
-            first = (self.node or 0) & (1 << field.type.width) - 1 if isinstance(field.role, NodeRole) else 0
+            first = (self.node or 0) & (1 << field.type.width) - 1 if field.is_node else 0
             raw = first if _allows(self.encoder, field, first) else next(raws(self.encoder, field, field), None)
             if raw is None:
                 return None
@@ -125,9 +125,7 @@ class Sender:
 
     def variations(self) -> Iterator[CanFrame]:
         """A frame, and further ones with another value in one of the first fields."""
-        varied = (
-            f for f in first_fields(self.encoder, self.message) if not f.is_array and not isinstance(f.role, NodeRole)
-        )
+        varied = (f for f in first_fields(self.encoder, self.message) if not f.is_array and not f.is_node)
         return self._with({f: itertools.islice(self._other_raws(f), 1) for f in varied})
 
     def _other_raws(self, field: Field) -> Iterator[int]:

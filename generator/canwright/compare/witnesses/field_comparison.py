@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from ...model import formatting
-from ...model.layout import ChecksumRole, Field, NodeRole, ReservedRole, Space
+from ...model.layout import ChecksumRole, Field, ReservedRole, Space
 from ...model.message import Direction, Message
 from ...model.types import Assignment, Encoding, Type
 from ...semantics.bits import data_bits, placed
@@ -90,7 +90,7 @@ class MessagePair:
         every = {field.name: field for field in written.fields} if written else {}
         of = self._sources(every)
         if self.side is Side.SENDING and self.has_same_length:
-            used = {of.get(target.name) for target in read.fields if target.role.is_value or target.role.is_checked}
+            used = {of.get(target.name) for target in read.fields if target.is_given or target.role.is_checked}
             for name, field in fields.items():
                 if name not in used | read_keys.keys():
                     yield from fields_of.ignored(field)
@@ -100,9 +100,9 @@ class MessagePair:
                 yield from fields_of.checksum(target, every.get(of.get(target.name, "")))
             elif target.role.is_checked:
                 yield from fields_of.constant(target, source)
-            elif target.role.is_value and source and not isinstance(source.role, ReservedRole):
+            elif target.is_given and source and not isinstance(source.role, ReservedRole):
                 yield from fields_of.field(target, source)
-            elif target.role.is_value and self.has_same_length:
+            elif target.is_given and self.has_same_length:
                 yield from fields_of.unset(target, source)
         for name in (name for name in read_keys if name in fields):
             yield from fields_of.field(read_keys[name], fields[name])
@@ -185,7 +185,7 @@ class FieldPair:
     def _fixed_in(self, target: Field) -> list[Field]:
         """The fields that are always sent as the same raw integer and that share bits with one that is read."""
         variant = self.messages.sent.layout.variant(self._encoder.assignment)
-        return [f for f in (variant.fields if variant else ()) if not f.role.is_value and match.overlap(f, target)]
+        return [f for f in (variant.fields if variant else ()) if not f.is_given and match.overlap(f, target)]
 
     def _has_foreign_id(self, frame: CanFrame) -> bool:
         """Whether a frame is rejected because of bits of its id, although both messages follow one rule."""
@@ -275,7 +275,7 @@ class FieldPair:
         ):
             return
         frames = [self.sender.encode(self.sender.base)]
-        if source is not None and source.role.is_value:
+        if source is not None and source.is_given:
             frames += [frame for _, frame in self._frames(source, target)]
             yield from self.field(target, source)
         wrong = next((frame for frame in filter(None, frames) if wrong_constants([target], frame)), None)
@@ -301,16 +301,16 @@ class FieldPair:
         base, encoder = self.sender.base, self._encoder
         if base is None:
             return
-        varied = [(source, candidates.raws(encoder, source, target))] if source.role.is_value else []
+        varied = [(source, candidates.raws(encoder, source, target))] if source.is_given else []
         sharing = [f for f in self.sender.fields.values() if f is not source and match.overlap(f, target)]
         for field, raws in (*varied, *((shared, candidates.raws_of_each_bit(encoder, shared)) for shared in sharing)):
-            nodes = self.messages.nodes if isinstance(field.role, NodeRole) else None
+            nodes = self.messages.nodes if field.is_node else None
             for raw in raws:
                 for given in _spread(field, raw, base[field.name]) if nodes is None or raw in nodes else ():
                     frame = self.sender.encode({**base, field.name: given})
                     if frame is not None:
                         yield field, frame
-        if not source.role.is_value:
+        if not source.is_given:
             frame = self.sender.encode(base)
             if frame is not None:
                 yield source, frame

@@ -103,4 +103,4 @@ def of_id(command: Command, message: Message) -> Iterator[DocumentPath]:
 
 def of_node(message: Message) -> Iterator[DocumentPath]:
     """Which field of a message contains the node."""
-    yield from ((*field.path, NodeRole.key) for field in message.layout.fields if isinstance(field.role, NodeRole))
+    yield from ((*field.path, NodeRole.key) for field in message.layout.fields if field.is_node)

@@ -6,7 +6,16 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from ...model.layout import ChecksumRole, Field, FixedRole, Segment, Space
+from ...model.exhaustive import assert_never
+from ...model.layout import (
+    ChecksumRole,
+    Field,
+    FixedRole,
+    GivenRole,
+    ParameterRole,
+    Segment,
+    Space,
+)
 from ...model.message import BitRun, Confusion, Key
 from .expressions import Integer, integer, joined, operand, raw_of, smallest, working
 
@@ -130,27 +139,30 @@ def write_fields(
     terms: dict[int, list[str]] = {}
     fixed: dict[int, int] = {}
     partial: set[int] = set()
-    for field in (field for field in fields if not isinstance(field.role, ChecksumRole)):
-        for number, element in enumerate(field.elements):
-            for s in element.segments:
-                if field.space is Space.ID:
-                    yield Write(None, _id_bits(field, members, values, number, s))
-                elif isinstance(field.role, FixedRole):
-                    fixed[s.byte] = fixed.get(s.byte, 0) | _piece(field.role.raw, s)
-                else:
-                    terms.setdefault(s.byte, []).append(_write(field, _member(field, members, values, number), s))
-                    partial.update([s.byte] if s.width < 8 else [])
+    for field in fields:
+        role = field.role
+        for number, s in ((number, s) for number, element in enumerate(field.elements) for s in element.segments):
+            match role:
+                case FixedRole() if field.space is Space.ID:
+                    yield Write(None, f"0x{_piece(role.raw, s):X}u")
+                case FixedRole():
+                    fixed[s.byte] = fixed.get(s.byte, 0) | _piece(role.raw, s)
+                case GivenRole() | ParameterRole():
+                    bits = _write(field, _member(field, members, values, number), s)
+                    if field.space is Space.ID:
+                        yield Write(None, bits)
+                    else:
+                        terms.setdefault(s.byte, []).append(bits)
+                        partial.update([s.byte] if s.width < 8 else [])
+                case ChecksumRole():
+                    pass
+                case _:
+                    assert_never(role)
     for byte in sorted({*terms, *fixed}):
         before = [f"frame->data[{byte}]"] if byte in shared else []
         constant = [f"0x{fixed[byte]:02X}u"] if byte in fixed else []
         every = [*before, *terms.get(byte, []), *constant]
         yield Write(byte, f"(uint8_t)({joined('|', every)})" if len(every) > 1 or byte in partial else every[0])
-
-
-def _id_bits(field: Field, members: Mapping[str, str], values: Mapping[str, str], number: int, s: Segment) -> str:
-    if isinstance(field.role, FixedRole):
-        return f"0x{_piece(field.role.raw, s):X}u"
-    return _write(field, _member(field, members, values, number), s)
 
 
 def _member(field: Field, members: Mapping[str, str], values: Mapping[str, str], number: int) -> str:

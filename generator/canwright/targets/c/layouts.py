@@ -8,12 +8,23 @@ from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
 from ...model.edition import Edition
+from ...model.exhaustive import assert_never
 from ...model.formatting import english
 from ...model.golden_frames import RawValue
-from ...model.layout import CounterRole, Field, Layout, ParameterRole, Variant
+from ...model.layout import CounterRole, Field, Layout, Variant
 from ...model.message import Message
 from ...model.types import Encoding
-from ...semantics.plan import CheckConstant, CheckField, DecodingStep, EncodingStep, ReadField, message_plan
+from ...semantics.plan import (
+    CheckChecksum,
+    CheckConstant,
+    CheckField,
+    CheckParameter,
+    ChooseFields,
+    DecodingStep,
+    EncodingStep,
+    ReadField,
+    message_plan,
+)
 from . import bits
 from .checksums import checksum_view
 from .choices import Branch, Whole, parameter_access, whole
@@ -103,7 +114,7 @@ class LayoutView:
         shared = {byte for message in messages for byte in bits.key_bytes(message.keys)}
         members = {f.name: member(f.name) for f in layout.fields}
         facts = errata(edition, layout.path) if layout.shared else []
-        stored = [f for f in layout.fields if f.role.is_value]
+        stored = [f for f in layout.fields if f.is_given]
         self.name = names.lower(layout.name)
         self.title = english(layout.title) + (f" ({layout.manual})" if layout.manual else "")
         self.doc = [text for text in (english(layout.about), *facts) if text]
@@ -117,7 +128,9 @@ class LayoutView:
         self.has_fields = bool(layout.fields)
         self.chooses = layout.parameter is not None
         """True if a parameter decides which fields exist."""
-        parametric = {f: whole(edition, f.role.parameter) for f in layout.fields if isinstance(f.role, ParameterRole)}
+        parametric = {
+            step.field: whole(edition, step.parameter) for step in plan.decoding if isinstance(step, CheckParameter)
+        }
         self.constants = [
             ParametricConstant(known, f"{bits.constant_read(f)} != {known.value}") for f, known in parametric.items()
         ]
@@ -291,17 +304,23 @@ def _cases(names: Names, layout: Layout, steps: Iterable[tuple[T, ...]]) -> tupl
 
 def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRead]:
     for step in steps:
-        if isinstance(step, CheckConstant) and step.field.only and step.field in variant.fields:
-            yield FieldRead(constant_differs=bits.constant_differs(step.field))
-        elif isinstance(step, ReadField):
-            for number, element in zip(numbers(step.field), step.field.elements, strict=True):
-                value = bits.read_field(step.field, element.segments) if step.field in variant.fields else "0"
-                yield FieldRead(member=raw_of(step.field.type, number), value=value)
+        match step:
+            case CheckConstant():
+                if step.field.only and step.field in variant.fields:
+                    yield FieldRead(constant_differs=bits.constant_differs(step.field))
+            case ReadField():
+                for number, element in zip(numbers(step.field), step.field.elements, strict=True):
+                    value = bits.read_field(step.field, element.segments) if step.field in variant.fields else "0"
+                    yield FieldRead(member=raw_of(step.field.type, number), value=value)
+            case CheckChecksum() | ChooseFields() | CheckParameter():
+                pass  # `checksum`, `chooses` and `constants` of the layout
+            case _:
+                assert_never(step)
 
 
 def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
     for field in variant.fields:
-        if not field.role.is_value:
+        if not field.is_given:
             continue
         type_ = types[names.lower(names.type_stem(field.type))]
         given = type_.show.formulas.uses_parameters
@@ -354,4 +373,4 @@ def initializer(field: Field, texts: Iterable[str]) -> str:
 
 def fields_named(layouts: Sequence[Layout]) -> list[str]:
     """The names of all fields that are members of some struct, in order, each once."""
-    return list(dict.fromkeys(f.name for layout in layouts for f in layout.fields if f.role.is_value))
+    return list(dict.fromkeys(f.name for layout in layouts for f in layout.fields if f.is_given))

@@ -204,7 +204,7 @@ def _type_stems(edition: Edition) -> Mapping[str, str]:
     a field renames the functions, so programs for the previous edition do not compile with it.
     """
     types_of: dict[str, set[str]] = {}
-    for field in (f for layout in layouts(edition) for f in layout.fields if f.role.is_value):
+    for field in (f for layout in layouts(edition) for f in layout.fields if f.is_given):
         types_of.setdefault(field.name, set()).add(field.type.name)
     stems = {type_.name: type_.name for type_ in edition.types}
     for type_ in edition.types:

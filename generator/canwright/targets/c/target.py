@@ -98,7 +98,7 @@ def _names(names: Names, edition: Edition) -> Iterator[Exported]:
         if view.has(type_):
             yield from ((members.get(name, type_.path), name) for name in _type(view.type(type_)))
     for layout in layouts(edition):
-        varying = [field for field in layout.fields if field.role.is_value]
+        varying = [field for field in layout.fields if field.is_given]
         if varying:
             yield layout.path, names.lower(layout.name, "t")
         for field in varying:
@@ -110,7 +110,7 @@ def _names(names: Names, edition: Edition) -> Iterator[Exported]:
             yield command.path, names.upper(command.name, "code")
     for message in edition.all_messages():
         yield from ((message.path, name) for name in names.facts(message))
-        if any(field.role.is_value for field in message.layout.fields):
+        if any(field.is_given for field in message.layout.fields):
             yield message.path, names.lower(message.name, "t")
             yield message.path, f".{member(names.short(message.command))}"
         yield from ((message.path, names.lower(message.name, ending)) for ending in ("encode", "decode"))

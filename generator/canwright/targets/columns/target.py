@@ -62,7 +62,6 @@ class ColumnsTarget(Target):
             "constant_name": view.constant_name,
             "arguments": view.arguments,
             "varying": view.varying,
-            "demanded": view.demanded,
             "fraction": view.fraction,
             "kinds": view.kinds,
             "case_value": view.case_value,

@@ -7,12 +7,20 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model.edition import Edition
+from ...model.exhaustive import assert_never
 from ...model.joined import JoinedText
-from ...model.layout import ConstantRole, Field, Layout
+from ...model.layout import Field, Layout
 from ...model.message import BitRun, Direction, KeyRole, Message
 from ...model.types import Encoding, Linear, Type
 from ...semantics import dispatch
-from ...semantics.plan import message_plan
+from ...semantics.plan import (
+    CheckChecksum,
+    CheckConstant,
+    CheckParameter,
+    ChooseFields,
+    ReadField,
+    message_plan,
+)
 from ..base import header
 from ..python_source import english, literal, member_name, tuple_of
 from ..tables import Positions
@@ -88,6 +96,17 @@ class ModuleView:
         stated = [f"sent={tuple_of(literal(o.value) for o in of.occasions)}"] if of.occasions else []
         stated += [f"{name}={float(time)}" for name, time in times.items() if time is not None]
         return "".join(f", {argument}" for argument in stated) + frames
+
+    def constants(self, layout: Layout) -> Iterator[CheckConstant | CheckParameter]:
+        """The constants of a layout, which a reader checks."""
+        for step in message_plan(self.edition.of_layout(layout)[0]).decoding:
+            match step:
+                case CheckConstant() | CheckParameter():
+                    yield step
+                case CheckChecksum() | ChooseFields() | ReadField():
+                    pass  # `checksum`, and the fields with what selects them
+                case _:
+                    assert_never(step)
 
     def checksum(self, layout: Layout) -> Sequence[str]:
         """The arguments of the `Checksum` of a layout; none without one."""
@@ -169,12 +188,7 @@ def _scale(linear: Linear | None) -> str:
 
 def varying(layout: Layout) -> Sequence[Field]:
     """The fields that have columns."""
-    return [field for field in layout.fields if field.role.is_value]
-
-
-def demanded(layout: Layout) -> Sequence[Field]:
-    """The constants."""
-    return [field for field in layout.fields if field.role.key == ConstantRole.key]
+    return [field for field in layout.fields if field.is_given]
 
 
 def fraction(number: Fraction | None) -> str:

@@ -150,7 +150,7 @@ def obstacle(message: Message) -> str:
     unknown = [name for name in message.parameters if message.id.parameter == name or _is_in_id(message, name)]
     if unknown:
         return f"the id contains `{unknown[0]}`, and a DBC has fixed ids only; set it with `--set {unknown[0]}=NUMBER`"
-    varying = [f.name for f in fields_in_id(message) if f.role.is_value]
+    varying = [f.name for f in fields_in_id(message) if f.is_given]
     return f"the id contains {', '.join(varying)}, and a DBC has fixed ids only" if varying else ""
 
 
@@ -220,12 +220,12 @@ def is_shown_by(field: Field, selector: Sequence[Segment]) -> bool:
     is_plain = (
         type_.is_plain and type_.encoding is Encoding.UNSIGNED and not (type_.no_values or type_.names or type_.unit)
     )
-    return field.role.is_value and is_plain and [e.segments for e in field.elements] == [tuple(selector)]
+    return field.is_given and is_plain and [e.segments for e in field.elements] == [tuple(selector)]
 
 
 def _content(message: Message) -> tuple[bool, int]:
     """Whether a message has fields, and its length; `max` takes the first of several messages with the same content."""
-    has_fields = any(f.role.is_value for f in message.layout.fields if f.space is Space.DATA)
+    has_fields = any(f.is_given for f in message.layout.fields if f.space is Space.DATA)
     return has_fields, message.dlc
 
 

@@ -8,14 +8,18 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model import formatting
+from ...model.exhaustive import assert_never
 from ...model.layout import (
     ChecksumRole,
+    ConstantRole,
     CounterRole,
     Element,
     Field,
     FixedRole,
+    GivenRole,
     ParameterRole,
     ReservedRole,
+    Role,
     Space,
     bits_of,
     is_one_run,
@@ -198,24 +202,17 @@ class Signals:
             reading.step,
             comments.in_manual(field.manual_name),
             *about,
+            *self._of_role(field.role),
         ]
-        if isinstance(field.role, CounterRole):
-            sentences.append(comments.fixed("counter", first=field.role.first, last=field.role.last))
         signal = Signal(signal_name(part, field, element), mux, element.bits, type_.order, "", reading.numbers)
         if not type_.flags and not is_one_run(element.segments, type_.order):
             yield from self._parts(signal, sentences, field, element, reading)
         elif isinstance(field.role, FixedRole):
-            word = "sent_as" if isinstance(field.role, ReservedRole) else "always"
-            sentences.append(comments.fixed(word, raw=field.role.raw))
             numbers = self._integers(type_, reading.linear, reading.unit, (field.role.raw, field.role.raw))
             yield signal._replace(
                 comment=comments.sentences(sentences), numbers=numbers._replace(start_value=field.role.raw)
             )
-        elif isinstance(field.role, ChecksumRole):
-            sentences.append(comments.fixed("checksum", checksum=formatting.checksum(field.role)))
-            yield signal._replace(comment=comments.sentences(sentences))
-        elif isinstance(field.role, ParameterRole):
-            sentences.append(comments.fixed("always", raw=field.role.parameter))
+        elif not field.is_given:
             yield signal._replace(comment=comments.sentences(sentences))
         elif type_.flags:
             yield from self._flags(signal, sentences, type_, element)
@@ -225,6 +222,24 @@ class Signals:
             members = ((member.value, member.name) for member in (*type_.enum, *type_.names))
             values = tuple(sorted((*members, *named)))
             yield signal._replace(comment=comments.sentences(sentences), values=values)
+
+    def _of_role(self, role: Role) -> Iterator[str]:
+        """The sentence about what is sent in a field, if its type does not state it."""
+        match role:
+            case CounterRole():
+                yield self._comments.fixed("counter", first=role.first, last=role.last)
+            case ReservedRole():
+                yield self._comments.fixed("sent_as", raw=role.raw)
+            case ConstantRole():
+                yield self._comments.fixed("always", raw=role.raw)
+            case ParameterRole():
+                yield self._comments.fixed("always", raw=role.parameter)
+            case ChecksumRole():
+                yield self._comments.fixed("checksum", checksum=formatting.checksum(role))
+            case GivenRole():
+                pass
+            case _:
+                assert_never(role)
 
     def _parts(
         self, whole: Signal, sentences: Sequence[str], field: Field, element: Element, reading: _Reading

@@ -9,7 +9,19 @@ from typing import NamedTuple, Protocol
 from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.edition import Edition
-from ...model.layout import ChecksumRole, CounterRole, Field, Layout, NodeRole, ReservedRole, Space
+from ...model.exhaustive import assert_never
+from ...model.layout import (
+    ChecksumRole,
+    ConstantRole,
+    CounterRole,
+    Field,
+    GivenRole,
+    Layout,
+    ParameterRole,
+    ReservedRole,
+    Role,
+    Space,
+)
 from ...model.message import (
     Command,
     Direction,
@@ -86,8 +98,8 @@ def field_rows(message: Message, command: Command, labels: Labels, language: str
             what = (
                 description(field, labels, language)
                 + (f" ({deprecation(field.deprecated, labels)})" if field.deprecated else "")
-                + (f"{labels['and']}{holds}" if isinstance(field.role, NodeRole) else "")
-                + _computed(field, labels)
+                + (f"{labels['and']}{holds}" if field.is_node else "")
+                + _computed(field.role, labels)
                 + (f"{labels['stop']}{labels['variable']} {code(field.variable)}" if field.variable else "")
                 + _in_manual(field, layout, command, labels)
                 + _members(field.type, labels)
@@ -111,16 +123,17 @@ def deprecation(deprecated: Deprecation, labels: Labels) -> str:
     return labels["deprecated"] + labels["colon"] + period.format(since=deprecated.since, until=deprecated.until)
 
 
-def _computed(field: Field, labels: Labels) -> str:
+def _computed(role: Role, labels: Labels) -> str:
     """How the sender computes a counter or a checksum; empty for another field."""
-    role = field.role
-    if isinstance(role, CounterRole):
-        return f"{labels['stop']}{labels['counter'].format(first=role.first, last=role.last)}"
-    return (
-        f"{labels['stop']}{labels['checksum']} {code(formatting.checksum(role))}"
-        if isinstance(role, ChecksumRole)
-        else ""
-    )
+    match role:
+        case CounterRole():
+            return f"{labels['stop']}{labels['counter'].format(first=role.first, last=role.last)}"
+        case ChecksumRole():
+            return f"{labels['stop']}{labels['checksum']} {code(formatting.checksum(role))}"
+        case GivenRole() | ConstantRole() | ParameterRole() | ReservedRole():
+            return ""
+        case _:
+            assert_never(role)
 
 
 def _members(type_: Type, labels: Labels) -> str:
@@ -145,17 +158,18 @@ def _in_manual(field: Field, layout: Layout, command: Command, labels: Labels) -
 
 
 def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:
-    fixed = formatting.fixed(field.role)
-    if fixed:
-        return (
-            "",
-            code(fixed),
-            labels["sent_so" if isinstance(field.role, ReservedRole) else "constant"],
-        )
-    if isinstance(field.role, ChecksumRole):
-        return "", "", ""
-    among = values_of(field.type.linear.parameter or "", layout, field, command)
-    return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
+    match field.role:
+        case ReservedRole():
+            return "", code(formatting.fixed(field.role)), labels["sent_so"]
+        case ConstantRole() | ParameterRole():
+            return "", code(formatting.fixed(field.role)), labels["constant"]
+        case ChecksumRole():
+            return "", "", ""
+        case GivenRole():
+            among = values_of(field.type.linear.parameter or "", layout, field, command)
+            return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
+        case _:
+            assert_never(field.role)
 
 
 def cases(pairs: Sequence[tuple[str, str]]) -> str:

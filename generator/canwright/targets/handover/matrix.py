@@ -10,7 +10,16 @@ from typing import NamedTuple
 
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.layout import ChecksumRole, Field, FieldRole, FixedRole, Layout
+from ...model.exhaustive import assert_never
+from ...model.layout import (
+    ChecksumRole,
+    Field,
+    FixedRole,
+    GivenRole,
+    Layout,
+    ParameterRole,
+    Role,
+)
 from ...model.message import Command, Direction, EchoReply, Key, KeyRole, Message, OtherReply
 from ...model.types import Bound, Encoding, Linear, Member, NoValue, Range, Type
 from ...semantics.frame import sent_id_rule
@@ -227,7 +236,7 @@ class _Rows:
                     field=place.name,
                     raw=place.raw,
                     only=self._shown.condition(numbers.only),
-                    **(self._shown.numbers(type_, numbers) if field.role.is_value and type_.is_number else {}),
+                    **(self._shown.numbers(type_, numbers) if field.is_given and type_.is_number else {}),
                 )
 
     def _member(self, type_: Type, member: Member) -> str:
@@ -245,11 +254,19 @@ def _fixed(raw: int) -> Cell:
     return formatting.constant(raw) if raw >= 0 else Fraction(raw)
 
 
-def _sent(role: FieldRole) -> Cell:
+def _sent(role: Role) -> Cell:
     """What is sent in a field that users do not give; a parameter by its name."""
-    if isinstance(role, ChecksumRole):
-        return formatting.checksum(role)
-    return _fixed(role.raw) if isinstance(role, FixedRole) else formatting.fixed(role)
+    match role:
+        case FixedRole():
+            return _fixed(role.raw)
+        case ParameterRole():
+            return role.parameter
+        case ChecksumRole():
+            return formatting.checksum(role)
+        case GivenRole():
+            return ""
+        case _:
+            assert_never(role)
 
 
 def _answer(command: Command, direction: Direction, texts: Mapping[str, str]) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import TypeVar
 
 from ...model.edition import Edition
+from ...model.exhaustive import assert_never
 from ...model.layout import Field, Segment, Space
 from ...model.message import BitRun, Direction, Message
 from ...model.refusal import Refusal
@@ -35,7 +36,6 @@ from ...semantics.plan import (
     WriteField,
     WriteFixed,
     WriteParameter,
-    assert_never,
     message_plan,
 )
 from ..nested_source import Code, Value

@@ -10,7 +10,7 @@ from ...model.checksum import Arithmetic
 from ...model.layout import Space
 from ...model.message import Message
 from ...semantics.checksum import ChecksumPlan, FrameByte
-from ...semantics.plan import message_plan
+from ...semantics.plan import CheckChecksum, message_plan
 from . import bits, code, text
 from .imports import Imports
 
@@ -22,14 +22,11 @@ class Checksums:
     imports: Imports
     functions: dict[str, str] = dataclasses.field(default_factory=dict)
 
-    def check(self, message: Message) -> Iterator[code.Code]:
-        """The statement of `unpack` that checks the checksum of a message; none without one."""
-        step = message_plan(message).checksum
-        if step is not None:
-            read = bits.read(bits.place("", step.field, step.field.elements[0]), message.dlc)
-            name = text.literal(step.field.name)
-            computed = self._computed(step.checksum, message.dlc)
-            yield code.call(self.imports.use("checksum"), (read, computed, name))
+    def check(self, step: CheckChecksum, dlc: int) -> code.Code:
+        """The statement of `unpack` that checks a checksum."""
+        read = bits.read(bits.place("", step.field, step.field.elements[0]), dlc)
+        computed = self._computed(step.checksum, dlc)
+        return code.call(self.imports.use("checksum"), (read, computed, text.literal(step.field.name)))
 
     def insert(self, message: Message) -> Iterator[code.Code]:
         """The statements that return `data` with the checksum of a message in bits that are 0."""

@@ -5,12 +5,31 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeGuard
 
+from ...model.exhaustive import assert_never
 from ...model.joined import JoinedText
-from ...model.layout import ChecksumRole, ConstantRole, CounterRole, Field, FixedRole, Layout, ParameterRole, Variant
+from ...model.layout import (
+    ChecksumRole,
+    CounterRole,
+    Field,
+    FixedRole,
+    GivenRole,
+    Layout,
+    ParameterRole,
+    Variant,
+)
 from ...model.message import Message
 from ...model.types import Parameter
-from ...semantics.plan import message_plan
+from ...semantics.plan import (
+    CheckChecksum,
+    CheckConstant,
+    CheckParameter,
+    ChooseFields,
+    DecodingStep,
+    ReadField,
+    message_plan,
+)
 from . import bits, code, docstrings, text, types
 from .checksums import Checksums
 from .imports import Imports
@@ -42,7 +61,7 @@ class FieldView:
 
 def varying(fields: Iterable[Field]) -> list[Field]:
     """The fields that a message stores: those whose value is not fixed."""
-    return [field for field in fields if field.role.is_value]
+    return [field for field in fields if field.is_given]
 
 
 def field_view(
@@ -98,30 +117,10 @@ def field_view(
     )
 
 
-def constant_checks(fields: Iterable[Field], dlc: int, imports: Imports) -> Iterator[code.Code]:
-    """The statements that check the constants."""
-    for field in fields:
-        if isinstance(field.role, ConstantRole):
-            for element in field.elements:
-                read = bits.read(bits.place("", field, element), dlc)
-                yield code.call(imports.use("constant"), (read, str(field.role.required_raw), text.literal(field.name)))
-
-
-def whole(field: Field, parameters: str, imports: Imports) -> str:
+def whole(field: Field, parameter: str, parameters: str, imports: Imports) -> str:
     """The expression of the raw integer of a constant that is a parameter."""
-    assert isinstance(field.role, ParameterRole)
-    name = text.literal(text.attribute(field.role.parameter))
+    name = text.literal(text.attribute(parameter))
     return f"{imports.use('whole')}({parameters}, {name}, {text.literal(field.name)})"
-
-
-def parameter_checks(fields: Iterable[Field], dlc: int, imports: Imports) -> Iterator[code.Code]:
-    """The statements that check the constants that are parameters."""
-    for field in fields:
-        if isinstance(field.role, ParameterRole):
-            for element in field.elements:
-                read = bits.read(bits.place("", field, element), dlc)
-                required = whole(field, "parameters", imports)
-                yield code.call(imports.use("constant"), (read, required, text.literal(field.name)))
 
 
 def storage(layout: Layout) -> dict[Field, int]:
@@ -141,18 +140,29 @@ def positions(
     Its target is its raw integer, at the place where it is `stored`, or that of a fixed field.
     """
     listed = []
-    for field in (field for field in fields if not isinstance(field.role, ChecksumRole)):
+    for field in fields:
+        role = field.role
         for i, element in enumerate(field.elements):
-            if isinstance(field.role, FixedRole):
-                target = f"0x{field.role.raw & (1 << field.type.width) - 1:X}"
-                listed.append((field, bits.place(target, field, element)._replace(signed=False)))
-            elif isinstance(field.role, ParameterRole):
-                target = whole(field, "self._parameters", imports)
-                listed.append((field, bits.place(target, field, element)._replace(signed=False)))
-            else:
-                target = f"self._raws[{stored[field]}]" + (f"[{i}]" if field.is_array else "")
-                listed.append((field, bits.place(target, field, element)))
+            match role:
+                case FixedRole():
+                    target = f"0x{role.raw & (1 << field.type.width) - 1:X}"
+                    listed.append((field, bits.place(target, field, element)._replace(signed=False)))
+                case ParameterRole():
+                    target = whole(field, role.parameter, "self._parameters", imports)
+                    listed.append((field, bits.place(target, field, element)._replace(signed=False)))
+                case GivenRole():
+                    target = f"self._raws[{stored[field]}]" + (f"[{i}]" if field.is_array else "")
+                    listed.append((field, bits.place(target, field, element)))
+                case ChecksumRole():
+                    pass
+                case _:
+                    assert_never(role)
     return listed
+
+
+def _is_of_variant(step: DecodingStep) -> TypeGuard[CheckConstant | CheckParameter]:
+    """Whether a step is a check after the parameters are known: of a field of some variants, or of one that is a parameter."""
+    return isinstance(step, CheckParameter) or (isinstance(step, CheckConstant) and bool(step.field.only))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -240,7 +250,8 @@ class ClassBodies:
         to_raws = code.tuple_of((view.to_raw for view in fields), "self._raws = ")
         if varies:
             to_raws = code.call("self._raws = self._raws_of", (f"{view.attribute}={view.attribute}" for view in fields))
-        reads = tuple(tuple(self._read(variant, stored, dlc)) for variant in layout.variants)
+        steps = message_plan(message).decoding
+        reads = tuple(tuple(self._read(variant, steps, stored, dlc)) for variant in layout.variants)
         return BodyView(
             fields=fields,
             raws_python=code.Items("_raws: tuple[", tuple(raws[place] for place in sorted(raws)) or ("()",), "]"),
@@ -256,10 +267,7 @@ class ClassBodies:
                 for i, variant in enumerate(layout.variants)
                 for key in variant_values(layout, variant, self.parameters)
             ),
-            checks=(
-                *constant_checks((f for f in layout.fields if not f.only), dlc, self.imports),
-                *self.checksums.check(message),
-            ),
+            checks=tuple(check for step in steps if not _is_of_variant(step) for check in self._check(step, dlc)),
             reads=reads[:1] if len(set(reads)) == 1 else reads,
             to_raws=to_raws,
             has_node=message.id.nodes is not None,
@@ -286,10 +294,34 @@ class ClassBodies:
         values = tuple(types.parameter_key(parameter, value) for value in field_.only)
         return self.sets.setdefault(values, f"_ONLY_{len(self.sets) + 1}")
 
-    def _read(self, variant: Variant, stored: Mapping[Field, int], dlc: int) -> Iterator[code.Code]:
+    def _check(self, step: DecodingStep, dlc: int) -> Iterator[code.Code]:
+        """The statements of a check; none for a step that is none."""
+        match step:
+            case CheckConstant():
+                yield from self._constant(step.field, str(step.raw), dlc)
+            case CheckParameter():
+                yield from self._constant(
+                    step.field, whole(step.field, step.parameter, "parameters", self.imports), dlc
+                )
+            case CheckChecksum():
+                yield self.checksums.check(step, dlc)
+            case ChooseFields() | ReadField():
+                pass  # the variants of the body, and what they read
+            case _:
+                assert_never(step)
+
+    def _constant(self, field_: Field, required: str, dlc: int) -> Iterator[code.Code]:
+        for element in field_.elements:
+            read = bits.read(bits.place("", field_, element), dlc)
+            yield code.call(self.imports.use("constant"), (read, required, text.literal(field_.name)))
+
+    def _read(
+        self, variant: Variant, steps: Iterable[DecodingStep], stored: Mapping[Field, int], dlc: int
+    ) -> Iterator[code.Code]:
         """The statements that check the constants of a variant alone, and store the raw integers."""
-        yield from constant_checks((f for f in variant.fields if f.only), dlc, self.imports)
-        yield from parameter_checks(variant.fields, dlc, self.imports)
+        for step in steps:
+            if _is_of_variant(step) and step.field in variant.fields:
+                yield from self._check(step, dlc)
         own = positions(varying(variant.fields), stored, self.imports)
         ordered = sorted((position for _, position in own), key=lambda position: position.first_byte)
         pattern = bits.struct_format(ordered, dlc)

@@ -11,9 +11,7 @@ from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, Message
 from ...model.metadata import Consent, Repeat, State
-from ...semantics.decoder import Decoder, Rejection
-from ...semantics.encoder import Encoder
-from ...semantics.exchange import has_node, is_read
+from ...semantics.exchange import has_node, is_read, reply_differs
 from . import code, text
 from .class_bodies import varying
 
@@ -106,10 +104,8 @@ def class_attributes(edition: Edition, command: Command) -> Iterator[code.Code]:
         yield f"REPLIES = {replies}"
     if command.from_each:
         yield code.tuple_of(map(str, command.from_each), "REPLIERS = ")
-    if is_read(edition, command) and command.request and command.reply:
-        node = command.request.id.nodes[0] if command.request.id.nodes else 1
-        if replies_differ(edition, command.request, command.reply, node):
-            yield "DIFFERS = True"
+    if is_read(edition, command) and reply_differs(edition, command):
+        yield "DIFFERS = True"
     if command.reply_within_ms is not None:
         yield f"REPLY_WITHIN_MS = {float(command.reply_within_ms)!r}"
 
@@ -190,21 +186,3 @@ def _plausible_raw(field: Field) -> int:
     low, high = ((bound.constant - linear.offset) / linear.scale for bound in (limits.low, limits.high))
     low, high = min(low, high), max(low, high)
     return math.ceil(low) if low > 0 else math.floor(high) if high < 0 else 0
-
-
-def replies_differ(edition: Edition, request: Message, reply: Message, node: int) -> bool:
-    """Whether no working node replies with the frame of a request without fields."""
-    if request.id != reply.id:
-        return True
-    encoder = Encoder({})
-    frame = encoder.encode_raws(request, node if request.id.nodes is not None else None, {})
-    if isinstance(frame, Rejection) or reply.layout.parameter is not None:
-        return False
-    decoded = Decoder(edition).decode_as(reply, frame, {})
-    if isinstance(decoded, Rejection):
-        return True
-    fields = [field for field in decoded.variant.fields if field.role.is_value]
-    return any(
-        encoder.rejects_raw(field, decoded.raws[field.name]) or not field.type.is_plausible(decoded.values[field.name])
-        for field in fields
-    )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.layout import NodeRole, Space
+from ...model.layout import Space
 from ...model.message import Command, Direction, Message
 from ...model.types import Parameter
 from ...semantics.plan import message_plan
@@ -97,7 +97,7 @@ def _bases(groups: Iterable[Group]) -> dict[Group, str]:
 
 def _place(message: Message) -> int:
     """The place of the node among the raw integers of a message with its node in the data."""
-    return next(place for field, place in storage(message.layout).items() if isinstance(field.role, NodeRole))
+    return next(place for field, place in storage(message.layout).items() if field.is_node)
 
 
 def _differ_in_code_only(messages: Sequence[Message]) -> bool:

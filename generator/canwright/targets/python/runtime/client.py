@@ -12,26 +12,16 @@ import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 import can
 
 from ._codec import CodecError, Message, Request, places
-from .exchange import (
-    NO_REPLY,
-    NOT_SENT,
-    SILENT,
-    UNPROVEN,
-    Call,
-    Copies,
-    Counters,
-    Frame,
-    Line,
-)
+from .exchange import NO_REPLY, NOT_SENT, SILENT, UNPROVEN, Call, Copies, Counters, Frame, Line
 from .nodes import Node, Numbering
-from .python_can import to_message
+from .python_can import frame_of, to_message
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -47,6 +37,8 @@ TIMEOUT = 0.02
 LISTEN = 0.1
 """The longest time in seconds that listening waits at once, so that an interrupt ends it on every system."""
 STOP_TRIES = 3
+ON_EXIT = {"stop": "stop", "off": "switch_off", "nothing": ""}
+"""What ends the motion of a node at the end, by the argument `on_exit`."""
 UNSOLICITED = 1 << 12
 """The most frames without a request that are stored."""
 
@@ -82,6 +74,17 @@ class ConsentError(ClientError, PermissionError):
     """What was not sent, and the effect."""
     consent = ""
     """What would allow it."""
+
+
+FAILURES: Mapping[str, tuple[type[ClientError], str]] = {
+    NO_REPLY: (NoReply, "no reply to {}"),
+    NOT_SENT: (NotSent, "{} was not sent: the queue of the driver is full"),
+    SILENT: (NotSent, "{} was not sent, because the node does not answer"),
+    UNPROVEN: (
+        Unproven,
+        "{} has no proven reply: the same frame came back, and it is unknown whether the bus returns own frames",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -142,12 +145,11 @@ def effects_of(request: Message) -> tuple[str, ...]:
 
 @dataclass(eq=False)
 class _Job:
-    """A request on the line of a node; `message` is None where another job sends the frame."""
+    """A request on the line of a node; without one, the line is made certain."""
 
     line: Line
-    request: Message | None
-    call: Call | None
-    message: can.Message | None
+    request: Request[Any] | None = None
+    call: Call | None = None
     tries: int = 1
     at_once: bool = False
     error: ClientError | None = None
@@ -187,15 +189,14 @@ class _Batch:
     def _after(self, line: Line, call: Call | None, now: float) -> None:
         """Sends what a line asks for, and ends its request if it is over."""
         job = self.live[line]
-        if call is not None:
-            message = job.message if call is job.call else _message_of(call.frame)
-            if message is not None and not self._client.transmit(message):
-                line.not_sent()
+        if call is not None and call.message is not None and not self._client.transmit(call.message):
+            line.not_sent()
         if not line.is_open:
             del self.live[line]
             job.replies, job.at = tuple(line.replies), now
             if line.failure:
-                job.error = _error(line.failure, job)
+                kind, text = FAILURES[line.failure]
+                job.error = kind(text.format(job.request or "a read"))
             self._next(line, now)
 
 
@@ -216,6 +217,7 @@ class ClientCore:
         timeout: float = TIMEOUT,
         bit_rate: int | None = None,
         own_frames: bool | None = None,
+        notifier: can.Notifier | None = None,
     ) -> None:
         """A client for the nodes of a bus, which the caller opens and closes.
 
@@ -223,13 +225,13 @@ class ClientCore:
         node that was moved: `stop`, `off` or `nothing`. `timeout` in seconds is added to the reply time of the node.
         `bit_rate` in bit/s lets the client reject replies that come sooner than two frames last; omit it for a bus that is no CAN.
         `own_frames` states whether the bus returns own frames, if that is known and no read of the node can show it.
+        `notifier` is one of python-can that already reads the bus; without it, no other program part may read.
         """
         allowed = (allow,) if isinstance(allow, str) else allow.values()
         if not {"", MOTION}.issuperset(allowed):
             raise ValueError(f"allow={allow!r} is not {MOTION}; give other consents with each request")
-        if on_exit not in ("stop", "off", "nothing"):
-            raise ValueError(f"on_exit={on_exit!r} is none of stop, off, nothing")
-        self.bus = bus
+        if on_exit not in ON_EXIT:
+            raise ValueError(f"on_exit={on_exit!r} is none of {', '.join(ON_EXIT)}")
         self.nodes: dict[int, Node[Any, Any]] = {}
         self.counters = Counters()
         self._numbering = Numbering()
@@ -240,24 +242,26 @@ class ClientCore:
         self._timeout = timeout
         self._bit_rate = bit_rate
         self._own_frames = own_frames
-        self._copies = Copies(own_frames)
-        self._lost: BaseException | None = None
+        self._lost: BaseException | None
         self._moved: dict[int, None] = {}
         self._bits = 0
         for node in nodes:
             if node.node in self.nodes:
                 raise ValueError(f"{self.nodes[node.node]!r} and {node!r} have the same number")
             self.nodes[node.node] = node
-        self._lines: dict[int, Line] = {}
-        self._by_id: dict[tuple[int, bool], Line] = {}
-        self._without_id: tuple[Line, ...] = ()
-        self._start()
+        self._lock = threading.RLock()
+        self._notifier = notifier
+        self._reader = can.BufferedReader() if notifier else None
+        if notifier and self._reader:
+            notifier.add_listener(self._reader)
+        self._use(bus)
 
-    def _start(self) -> None:
-        """Nothing is known of the nodes and of what the bus returns."""
+    def _use(self, bus: can.BusABC) -> None:
+        """Nothing is known of the nodes, and of what the bus returns."""
+        self.bus, self._lost = bus, None
         self._copies = Copies(self._own_frames)
         self._lines = {number: self._line(node) for number, node in self.nodes.items()}
-        self._by_id = {}
+        self._by_id: dict[tuple[int, bool], Line] = {}
         unlisted: dict[Line, None] = {}
         for number, node in self.nodes.items():
             line, ids = self._lines[number], [*node.ids_of("reply")]
@@ -299,6 +303,7 @@ class ClientCore:
         edition, parameters, is_fd = node.edition, node.parameters, request.FD
         decode: Callable[..., Any] = edition.decode_answer
         within = request.REPLY_WITHIN_MS or edition.REPLY_WITHIN_MS or 0.0
+        message = to_message(request)
 
         def accept(frame: Frame) -> Any:
             can_id, extended, remote, fd, data = frame
@@ -310,12 +315,13 @@ class ClientCore:
 
         return Call(
             key=type(request),
-            frame=(request.can_id, request.EXTENDED, request.REMOTE, is_fd, request.encode()),
+            frame=frame_of(message),
             accept=accept,
             timeout=timeout if timeout is not None else within / 1000 + self._timeout,
             replies=request.REPLIES // (len(request.REPLIERS) or 1),
             is_read=not effects_of(request) and bool(edition.client_facts.effects),
             differs=request.DIFFERS,
+            message=message,
         )
 
     # Consent
@@ -351,10 +357,6 @@ class ClientCore:
         if type(request) not in node.edition.client_facts.ends_motion.values():
             _check_replies(node, type(request))
 
-    def _moves(self, node: Node[Any, Any], request: Message) -> bool:
-        effects = node.edition.client_facts.effects
-        return any(effects[name][1] == MOTION for name in effects_of(request))
-
     def _check_tries(self, node: Node[Any, Any], request: Message, tries: int) -> None:
         effects = node.edition.client_facts.effects
         is_repeatable = all(effects[name][2] for name in effects_of(request))
@@ -365,10 +367,14 @@ class ClientCore:
         """Stores whether a node has to be stopped at the end."""
         if type(request) in node.edition.client_facts.ends_motion.values():
             self._moved.pop(node.node, None)
-        elif self._moves(node, request):
+        elif any(node.edition.client_facts.effects[name][1] == MOTION for name in effects_of(request)):
             self._moved[node.node] = None
 
     # Steps
+
+    def _receiver(self) -> Callable[[float], can.Message | None]:
+        """What returns the next frame, or None if there is none for a time in seconds."""
+        return self._reader.get_message if self._reader else self.bus.recv
 
     def _exchange(self, jobs: Sequence[_Job]) -> Steps[None]:
         """Exchanges with all nodes at once, and with one node one after the other."""
@@ -413,14 +419,13 @@ class ClientCore:
         line = self._by_id.get((frame.arbitration_id, frame.is_extended_id))
         return self._without_id if line is None else (line,)
 
-    def _settle(self, lines: Iterable[Line]) -> Steps[list[_Job]]:
-        """Makes lines certain with a read each."""
-        jobs = [_Job(line, None, None, None) for line in lines if not line.is_certain]
+    def _settle(self, lines: Iterable[Line], request: Message | None = None) -> Steps[None]:
+        """Makes lines certain with a read each. Raises NotSent for a request that was to follow."""
+        jobs = [_Job(line) for line in lines if not line.is_certain]
         yield from self._exchange(jobs)
-        return jobs
-
-    def _open_steps(self) -> Steps[None]:
-        yield from self._settle(self._lines.values())
+        error = next((job.error for job in jobs if job.error), None)
+        if request and error:
+            raise NotSent(f"{request} was not sent, because a node does not answer") from error
 
     def _gather_steps(self, request: Request[R], allow: str, timeout: float | None) -> Steps[list[R]]:
         nodes = [self.nodes[number] for number in request.REPLIERS if number in self.nodes] or [self._node_of(request)]
@@ -428,15 +433,13 @@ class ClientCore:
             self._check_consent(node, request, allow)
         self._check_bus()
         request = self._numbering.next(request)
-        message = to_message(request)
         lines = [self._lines[node.node] for node in nodes]
-        for job in (yield from self._settle(lines)):
-            if job.error is not None:
-                raise NotSent(f"{request} was not sent, because a node does not answer") from job.error
+        yield from self._settle(lines, request)
         jobs: list[_Job] = []
         for node, line in zip(nodes, lines, strict=True):
             self._note(node, request)
-            jobs.append(_Job(line, request, self._call(node, request, timeout), None if jobs else message))
+            call = self._call(node, request, timeout)
+            jobs.append(_Job(line, request, replace(call, message=None) if jobs else call))
         yield from self._exchange(jobs)
         return [cast("R", reply) for job in jobs for reply in job.replies]
 
@@ -446,9 +449,7 @@ class ClientCore:
             self._check_consent(node, request, allow)
             self._note(node, request)
         self._check_bus()
-        for job in (yield from self._settle(self._lines[node.node] for node in nodes)):
-            if job.error is not None:
-                raise NotSent(f"{request} was not sent, because a node does not answer") from job.error
+        yield from self._settle((self._lines[node.node] for node in nodes), request)
         if not self.transmit(to_message(self._numbering.next(request))):
             raise NotSent(f"{request} was not sent: the queue of the driver is full")
         self.counters.sent += 1
@@ -456,7 +457,7 @@ class ClientCore:
     def _cycle_steps(
         self, requests: Sequence[Request[R]], allow: str, tries: int, timeout: float | None
     ) -> Steps[list[Outcome[R]]]:
-        jobs: list[_Job | ClientError] = []
+        jobs: list[_Job] = []
         for request in requests:
             if not request.REPLIES or request.REPLIERS:
                 number = "several" if request.REPLIES else "no"
@@ -464,43 +465,38 @@ class ClientCore:
             node = self._node_of(request)
             if tries > 1:
                 self._check_tries(node, request, tries)
+            job = _Job(self._lines[node.node], request, None, tries)
             try:
                 self._check_consent(node, request, allow)
-                numbered = self._numbering.next(request)
-                call = self._call(node, numbered, timeout)
-            except (ConsentError, CodecError) as error:
-                jobs.append(error if isinstance(error, ConsentError) else _refused(request, error))
-                continue
-            self._note(node, request)
-            jobs.append(_Job(self._lines[node.node], numbered, call, to_message(numbered), tries))
+                job.request = self._numbering.next(request)
+                job.call = self._call(node, job.request, timeout)
+                self._note(node, request)
+            except ConsentError as error:
+                job.error = error
+            except CodecError as error:
+                job.error = NotSent(f"{request} was not sent: {error}")
+                job.error.__cause__ = error
+            jobs.append(job)
         self._check_bus()
-        yield from self._exchange([job for job in jobs if isinstance(job, _Job)])
-        now = time.monotonic()
+        yield from self._exchange([job for job in jobs if job.error is None])
         return [
-            Outcome(request, (), job, now)
-            if isinstance(job, ClientError)
-            else Outcome(request, cast("tuple[R, ...]", job.replies), job.error, job.at)
+            Outcome(request, job.replies, job.error, job.at or time.monotonic())
             for request, job in zip(requests, jobs, strict=True)
         ]
 
-    def _periods(self, rate: float) -> Iterator[tuple[int, Callable[[], float]]]:
-        """The number of each period, and what returns the time to wait after it."""
-        start, period, before, number = time.monotonic(), 1 / rate, self._bits, 0
-
-        def pause() -> float:
-            nonlocal number
-            needed = (self._bits - before) / self._bit_rate if self._bit_rate and not number else 0.0
-            if needed > period:
-                text = f"need {needed * 1000:.2f} ms at {self._bit_rate} bit/s, more than {period * 1000:.2f} ms"
-                warnings.warn(f"the frames of a period {text}", stacklevel=3)
+    def _periods(self, rate: float, start: float, bits: int) -> Iterator[tuple[int, float]]:
+        """The number of each period after the first, and the time to wait for it; missed ones are left out and counted."""
+        needed = (self._bits - bits) / self._bit_rate if self._bit_rate else 0.0
+        if needed * rate > 1:
+            text = f"need {needed * 1000:.2f} ms at {self._bit_rate} bit/s, more than {1000 / rate:.2f} ms"
+            warnings.warn(f"the frames of a period {text}", stacklevel=3)
+        number = 0
+        while True:
             now = time.monotonic()
-            due = max(number + 1, math.ceil((now - start) / period))
+            due = max(number + 1, math.ceil((now - start) * rate))
             self.counters.overruns += due - number - 1
             number = due
-            return max(0.0, start + due * period - now)
-
-        while True:
-            yield number, pause
+            yield number, max(0.0, start + number / rate - now)
 
     # Settings
 
@@ -580,27 +576,31 @@ class ClientCore:
                 return None
         return self.unsolicited.popleft()
 
-    def _restart(self, bus: can.BusABC) -> None:
-        """Another bus object: nothing is known of the nodes."""
-        self.bus, self._lost = bus, None
-        self._start()
-
     def _check_bus(self) -> None:
         if self._lost is not None:
             raise BusLost(f"{self._lost}; call reopen") from self._lost
 
-    def _stop_steps(self, kind: str) -> Steps[list[int]]:
-        """Stops the nodes that were moved; returns those that did not confirm it."""
+    def _close_steps(self) -> Steps[None]:
+        """Stops the nodes that were moved, and stops reading. Warns of each node that does not confirm it."""
+        moved = [*self._moved] if self._on_exit != "nothing" else []
         jobs: dict[int, _Job] = {}
-        for number in self._moved:
+        for number in moved if self._lost is None else ():
             node = self.nodes[number]
-            stop = node.edition.client_facts.ends_motion.get(kind)
+            stop = node.edition.client_facts.ends_motion.get(ON_EXIT[self._on_exit])
             if stop is not None:
                 request = node.make(stop)
                 call = self._call(node, request, None)
-                jobs[number] = _Job(self._lines[number], request, call, to_message(request), STOP_TRIES, at_once=True)
-        yield from self._exchange(list(jobs.values()))
-        return [number for number in self._moved if number not in jobs or jobs[number].error is not None]
+                jobs[number] = _Job(self._lines[number], request, call, STOP_TRIES, at_once=True)
+        if jobs:
+            yield from self._exchange(list(jobs.values()))
+        self._moved.clear()
+        if self._notifier and self._reader:
+            self._notifier.remove_listener(self._reader)
+            self._reader = None
+        unconfirmed = [number for number in moved if number not in jobs or jobs[number].error]
+        if unconfirmed:
+            text = f"nodes did not confirm {self._on_exit}, and may still move: {unconfirmed}"
+            warnings.warn(text, stacklevel=2)
 
 
 def _made(node: Node[Any, Any], read: type[Request[Any]]) -> Request[Any] | None:
@@ -627,24 +627,6 @@ def _decodable(node: Node[Any, Any], read: type[Request[Any]]) -> Request[Any] |
     return _made(node, read)
 
 
-def frame_of(message: can.Message) -> Frame:
-    """A message of python-can without its time and its channel."""
-    return (
-        message.arbitration_id,
-        message.is_extended_id,
-        message.is_remote_frame,
-        message.is_fd,
-        bytes(message.data),
-    )
-
-
-def _message_of(frame: Frame) -> can.Message:
-    can_id, extended, remote, fd, data = frame
-    return can.Message(
-        arbitration_id=can_id, is_extended_id=extended, is_remote_frame=remote, is_fd=fd, data=None if remote else data
-    )
-
-
 def _bits(message: can.Message) -> int:
     """The bits of a classic frame, with the most stuff bits."""
     data = 0 if message.is_remote_frame else 8 * message.dlc
@@ -658,61 +640,20 @@ def _is_full(error: Exception) -> bool:
     return isinstance(error, can.CanTimeoutError) or code in (errno.ENOBUFS, errno.EAGAIN)
 
 
-def _refused(request: Message, error: CodecError) -> ClientError:
-    refused = NotSent(f"{request} was not sent: {error}")
-    refused.__cause__ = error
-    return refused
-
-
-def _error(failure: str, job: _Job) -> ClientError:
-    """The error of a request that failed."""
-    what = "a read" if job.request is None else str(job.request)
-    if failure == UNPROVEN:
-        text = "the same frame came back, and it is unknown whether the bus returns own frames"
-        return Unproven(f"{what} has no proven reply: {text}")
-    if failure == SILENT:
-        return NotSent(f"{what} was not sent, because the node does not answer")
-    if failure == NOT_SENT:
-        return NotSent(f"{what} was not sent: the queue of the driver is full")
-    assert failure == NO_REPLY, failure
-    return NoReply(f"no reply to {what}")
-
-
 class Client(ClientCore):
     """A client whose waiting thread reads the bus; several threads can use it.
 
-    Leave it with `with`: then the nodes that were moved are stopped. `notifier` is one of python-can that already reads the
-    bus; without it, no other program part may read.
+    Leave it with `with`: then the nodes that were moved are stopped.
     """
 
-    def __init__(
-        self,
-        bus: can.BusABC,
-        nodes: Iterable[Node[Any, Any]],
-        *,
-        allow: str | Mapping[int, str] = "",
-        on_exit: str = "stop",
-        timeout: float = TIMEOUT,
-        bit_rate: int | None = None,
-        own_frames: bool | None = None,
-        notifier: can.Notifier | None = None,
-    ) -> None:
-        super().__init__(
-            bus, nodes, allow=allow, on_exit=on_exit, timeout=timeout, bit_rate=bit_rate, own_frames=own_frames
-        )
-        self._lock = threading.RLock()
-        self._notifier = notifier
-        self._reader: can.BufferedReader | None = None
-        if notifier is not None:
-            self._reader = can.BufferedReader()
-            notifier.add_listener(self._reader)
-        self._drive(self._open_steps())
+    def _use(self, bus: can.BusABC) -> None:
+        super()._use(bus)
+        self._drive(self._settle(self._lines.values()))
 
     def _drive(self, steps: Steps[T]) -> T:
         """Waits for the bus between steps."""
         with self._lock:
-            receive = self.bus.recv if self._reader is None else self._reader.get_message
-            clock = time.monotonic
+            receive, clock = self._receiver(), time.monotonic
             try:
                 until = next(steps)
                 while True:
@@ -768,9 +709,11 @@ class Client(ClientCore):
 
         Warns if the frames of the first period need more time on the wire than there is.
         """
-        for number, pause in self._periods(rate):
+        periods = self._periods(rate, time.monotonic(), self._bits)
+        yield 0
+        for number, pause in periods:
+            time.sleep(pause)
             yield number
-            time.sleep(pause())
 
     def receive(self, seconds: float = math.inf) -> Iterator[Message]:
         """The frames that nodes send without a request, as they come, for a time in seconds. Raises BusLost.
@@ -784,22 +727,11 @@ class Client(ClientCore):
     def reopen(self, bus: can.BusABC) -> None:
         """Starts again with another bus object, after BusLost. Nothing is known of the nodes."""
         with self._lock:
-            self._restart(bus)
-            self._drive(self._open_steps())
+            self._use(bus)
 
     def close(self) -> None:
         """Stops the nodes that were moved, and stops reading. Warns of each node that does not confirm it."""
-        kind = {"stop": "stop", "off": "switch_off"}.get(self._on_exit)
-        with self._lock:
-            unconfirmed = (
-                self._drive(self._stop_steps(kind)) if kind and self._moved and self._lost is None else [*self._moved]
-            )
-            self._moved.clear()
-            if self._notifier is not None and self._reader is not None:
-                self._notifier.remove_listener(self._reader)
-                self._reader = None
-        if unconfirmed and kind:
-            warnings.warn(f"nodes did not confirm {kind}, and may still move: {unconfirmed}", stacklevel=2)
+        self._drive(self._close_steps())
 
     def __enter__(self) -> Self:
         return self

@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Any
 import can
 
 from ._codec import ArrayType, CodecError, FieldType, Message, Refusal, Request, places
-from .client import effects_of, frame_of, value_of
+from .client import effects_of, value_of
 from .exchange import Copies
 from .nodes import Node, Numbering
-from .python_can import from_message, to_message
+from .python_can import frame_of, from_message, to_message
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -277,7 +277,7 @@ class Simulation:
             frame = self.bus.recv(max(0.0, min([POLL, until - now, *(at - now for at in due)])))
             now = time.monotonic()
             self.step(now)
-            if frame is not None and not frame.is_error_frame and not self._is_own(frame):
+            if frame is not None and not frame.is_error_frame and not self._copies.take(frame_of(frame)):
                 self.receive(frame, now)
             self.flush(time.monotonic())
 
@@ -337,9 +337,6 @@ class Simulation:
             self._copies.add(frame_of(frame))
             self.bus.send(frame)
             self.answered += 1
-
-    def _is_own(self, frame: can.Message) -> bool:
-        return not frame.is_rx or self._copies.take(frame_of(frame))
 
     def start(self) -> None:
         """Answers in a thread, until `stop`."""
