@@ -1236,13 +1236,14 @@ function unusedBits({ id }) {
 }
 
 /** What objects with BigInt inherit, so that JSON has them. */
-const EXACT = /* @__PURE__ */ Object.create(Object.prototype, {
-  toJSON: {
+const EXACT = /* @__PURE__ */ (() => {
+  const toJSON = {
     value() {
       return withoutBigInt(this);
     },
-  },
-});
+  };
+  return Object.create(Object.prototype, { toJSON });
+})();
 
 /** A frame with its meaning; immutable. */
 class MessageResult {

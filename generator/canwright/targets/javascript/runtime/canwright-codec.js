@@ -624,13 +624,14 @@ export function unusedBits({ id }) {
 }
 
 /** What objects with BigInt inherit, so that JSON has them. */
-export const EXACT = /* @__PURE__ */ Object.create(Object.prototype, {
-  toJSON: {
+export const EXACT = /* @__PURE__ */ (() => {
+  const toJSON = {
     value() {
       return withoutBigInt(this);
     },
-  },
-});
+  };
+  return Object.create(Object.prototype, { toJSON });
+})();
 
 /** A frame with its meaning; immutable. */
 export class MessageResult {
