@@ -15,6 +15,7 @@ PACKAGES: Mapping[str, str] = {
     "busybox": "busybox-static",
     "clang": "clang",
     "clang-tidy": "clang-tidy",
+    "cpio": "cpio",
     "cppcheck": "cppcheck",
     "dpkg-deb": "dpkg",
     "frama-c": "frama-c-base",
