@@ -14,6 +14,7 @@ PACKAGES: Mapping[str, str] = {
     "avr-gcc": "gcc-avr avr-libc",
     "clang": "clang",
     "clang-tidy": "clang-tidy",
+    "cpio": "cpio",
     "cppcheck": "cppcheck",
     "frama-c": "frama-c-base",
     "g++": "g++",

@@ -225,3 +225,21 @@ def test_frames_of_unknown_editions_wait_and_this_is_shown() -> None:
         feed = Feed(Receiver(bus, {"interface": "virtual", "channel": "wait"}), editions, [], None)
         assert next(feed.status_parts()).startswith("frames wait until the editions of their nodes are identified")
         feed.close()
+
+
+def test_editions_are_identified_while_a_bus_is_silent() -> None:
+    """After an exchange with each of two nodes, no frame comes that could end the wait."""
+    editions = [specification(ROOT / f"spec/mwd_motor/{name}.yaml").edition for name in (OLD, NEW)]
+    with can.Bus("silent", interface="virtual") as bus, can.Bus("silent", interface="virtual") as host:
+        feed = Feed(Receiver(bus, {"interface": "virtual", "channel": "silent"}), editions, [], None)
+        shown: list[int | None] = []
+        for node in (1, 2):
+            for id_, data in ((0x140 + node, "9A00000000000000"), (0x180 + node, "9A32081364000000")):
+                host.send(can.Message(arbitration_id=id_, data=bytes.fromhex(data), is_extended_id=False))
+            for _ in range(1000):
+                shown = [entry.node for entry in feed.table.entries()]
+                if shown.count(node) == 2:
+                    break
+                time.sleep(0.01)
+        feed.close()
+    assert shown == [1, 1, 2, 2]

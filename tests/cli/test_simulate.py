@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import runpy
 import threading
 import time
 from collections.abc import Callable
@@ -13,6 +14,9 @@ import pytest
 from can.interfaces.virtual import channels
 from canwright.cli import main
 from click.testing import CliRunner, Result
+
+from ..spec_texts import ROOT
+from .live import MG, NEW, package
 
 READ_STATUS_1 = can.Message(arbitration_id=0x141, data=bytes([0x9A, *[0] * 7]), is_extended_id=False)
 FOREIGN = can.Message(arbitration_id=0x7FF, data=b"\x01", is_extended_id=False)
@@ -73,6 +77,33 @@ def test_nodes_answer_until_an_interrupt_and_frames_are_counted() -> None:
     assert second.data == first.data
     assert (result.exit_code, result.stderr) == (130, "mwd_motor v2.36-2025-03, nodes 1..4; Ctrl-C ends\n")
     assert result.stdout == "3 frames received, 2 sent, 1 of no request to these nodes\n"
+
+
+def test_nodes_turn_as_the_class_of_the_readme(tmp_path: Path) -> None:
+    """It uses the package of the nodes, although none is installed."""
+    python, _, _ = (
+        (ROOT / "README.md")
+        .read_text("utf-8")
+        .partition("<!-- example: python -->\n```python\n")[2]
+        .partition("\nnode =")
+    )
+    (tmp_path / "motor.py").write_text(python.replace("v2_35", "v2_36_2025_03"))
+    module, angles = package()["v2_36_2025_03"], []
+    known = module.Parameters(series=module.Series.MG, encoder_bits=14)
+
+    def host(bus: can.BusABC) -> None:
+        moves = module.MoveToAngleAtSpeedRequest(node=1, angle=90, max_speed=180)
+        for request in (moves, *[module.ReadMultiTurnAngleRequest(node=1)] * 2):
+            time.sleep(0.1)
+            bus.send(can.Message(arbitration_id=request.can_id, data=request.encode(), is_extended_id=False))
+            reply = bus.recv(WAIT)
+            assert reply
+            decoded = module.decode_reply(reply.arbitration_id, bytes(reply.data), known)
+            angles.append(getattr(decoded, "angle", 0.0))
+
+    result = run_beside(host, "turning", NEW, "--node", "1", *MG, "--behaviour", str(tmp_path / "motor.py:Motor"))
+    assert result.exit_code == 130, result.output
+    assert 0 < angles[1] < angles[2] <= 91, angles
 
 
 def test_faults_are_given_as_shares() -> None:
@@ -136,6 +167,11 @@ def test_a_lost_bus_ends_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> Non
         (("v2.35", "--node", "1", "--loss", "101%"), "`101%` is not a share from 0 to 1; write it as 1% or 0.01"),
         (("v2.35", "--node", "1", "--loss", "often"), "`often` is not a share from 0 to 1"),
         (("v2.35", "--node", "1", "--set", "series=MX"), "--set series=MX is not a parameter and its value"),
+        (
+            ("v2.35", "--node", "1", "--behaviour", f"{runpy.__file__}:Mot"),
+            "there is no class `Mot` in the file; ",
+        ),
+        (("v2.35", "--node", "1", "--behaviour", "absent.py:Motor"), "FileNotFoundError: [Errno 2] No such file"),
         (("v2.35", "--node", "1", "--bus-kwargs", "port"), "--bus-kwargs port: write NAME=VALUE"),
         (("v2.35", "--node", "1"), "give -i socketcan -c can0 -b 1000000, or write can.conf"),
         (("v2.35", "--node", "1", "-i", "virtul"), 'Unknown interface type "virtul"; did you mean `virtual`?'),

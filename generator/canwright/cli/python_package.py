@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import runpy
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,6 +18,7 @@ from ..model.edition import Edition
 from ..model.layout import Field
 from ..model.message import Direction, Message
 from ..model.types import Assignment
+from ..recordings.bus_log import sentence
 from ..resolve import number_parameters
 from ..semantics.decoder import Rejection
 from ..semantics.encoder import Encoder
@@ -39,15 +42,18 @@ def only_edition(specifications: Sequence[EditionInput], remedy: str) -> Edition
 class PythonPackage:
     """The modules of the package, and the parameters of the nodes of a bus."""
 
-    def __init__(self, specification: EditionInput, given: Assignment) -> None:
+    def __init__(self, specification: EditionInput, given: Assignment, behaviour: str | None = None) -> None:
+        """`behaviour` is that of simulated nodes, as FILE.py:CLASS."""
         edition = specification.edition
         self._model, self._given = edition, given
         names = (edition.identifier, "nodes", "client", "simulation")
         with tempfile.TemporaryDirectory(prefix="canwright-") as folder:
             package = write_files(TARGET.packages([specification]), Path(folder))
-            self.edition, self._nodes, self.client, self.simulation = modules.load(
-                package, *(f"{edition.family}.{name}" for name in names)
-            )
+            with modules.importable(package, edition.family):
+                self.edition, self._nodes, self.client, self.simulation = (
+                    importlib.import_module(f"{edition.family}.{name}") for name in names
+                )
+                self.behaviour = _class_in(behaviour) if behaviour else self.simulation.Behaviour
         adapter = PythonAdapter(edition, self.edition)
         self._parameters = adapter.parameters(number_parameters.assignment([edition], given))
 
@@ -85,6 +91,20 @@ class PythonPackage:
         """The request in a frame."""
         class_ = getattr(self.edition, class_name(message.name))
         return class_.unpack(node, frame.id, frame.data, self._parameters)
+
+
+def _class_in(written: str) -> Any:
+    """The class that FILE.py:CLASS names. Stops if there is none."""
+    path, _, name = written.rpartition(":")
+    try:
+        names = runpy.run_path(path)
+    except Exception as error:  # any, of a file of the user
+        stop(f"--behaviour {visible(written)}: {type(error).__name__}: {sentence(error)}; write FILE.py:CLASS")
+    if not isinstance(names.get(name), type):
+        classes = [name for name, value in names.items() if isinstance(value, type)]
+        hint = nearest(name, classes) or "write FILE.py:CLASS"
+        stop(f"--behaviour {visible(written)}: there is no class `{visible(name)}` in the file; {hint}")
+    return names[name]
 
 
 def model_frame(message: Any) -> CanFrame:

@@ -68,6 +68,7 @@ def _fault_options(function: Callable[..., None]) -> Callable[..., None]:
 @click.option("--node", "nodes", required=True, metavar="NODES", help="The nodes, such as 1..4 or 1,3.")
 @click.option("--set", "settings", multiple=True, metavar="PARAMETER=VALUE", help="A parameter of the nodes.")
 @click.option("--delay", type=SECONDS, default=0.0, help="The time from a request to its reply, in seconds.")
+@click.option("--behaviour", metavar="FILE.py:CLASS", help="A class of yours that changes the values as time passes.")
 @_fault_options
 @bus_options
 def simulate(
@@ -76,13 +77,15 @@ def simulate(
     nodes: str,
     settings: Sequence[str],
     delay: float,
+    behaviour: str | None,
     bus_arguments: BusArguments,
     **faults: Any,
 ) -> None:
     """Answer on a bus as nodes of an EDITION do, without hardware.
 
     The nodes answer each request as the specification says, and keep what is written: these are the simulated nodes of the
-    generated Python package. NAME=VALUE is the first value of a field of a reply, in its unit. Options of the bus have the names of python-can's own commands; what is not given is in its
+    generated Python package. Nothing moves by itself: for that, --behaviour names a class as in the README of that package, of
+    which each node gets an object. NAME=VALUE is the first value of a field of a reply, in its unit. Options of the bus have the names of python-can's own commands; what is not given is in its
     configuration file can.conf. Ctrl-C ends and prints what was counted.
 
     \b
@@ -105,7 +108,7 @@ def simulate(
         numbers = selected_nodes(nodes, [specification.edition])
     except ValueError as error:
         stop(f"--node {visible(nodes)}: {error}")
-    package = PythonPackage(specification, assignment([specification], settings))
+    package = PythonPackage(specification, assignment([specification], settings), behaviour)
     try:
         values = package.first_values(written_values([word for word in words if "=" in word]))
     except ValueError as error:
@@ -114,7 +117,7 @@ def simulate(
     with opened_bus(bus_arguments) as bus, _warnings_as_lines():
         simulated, own_frames = map(package.node, numbers), returns_own_frames(bus_arguments)
         options = {"delay": delay, "faults": chosen, "own_frames": own_frames}
-        simulation = package.simulation.Simulation(bus, simulated, **options)
+        simulation = package.simulation.Simulation(bus, simulated, package.behaviour, **options)
         for node in simulation.nodes.values():
             node.start_with(values)
         listed = f"node {nodes}" if len(numbers) == 1 else f"nodes {nodes}"

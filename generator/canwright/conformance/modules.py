@@ -12,11 +12,18 @@ from types import ModuleType
 
 def load(folder: Path, *names: str) -> Sequence[ModuleType]:
     """Modules of one package in a folder, freshly imported."""
-    with without_modules(names[0].partition(".")[0]):
+    with importable(folder, names[0].partition(".")[0]):
+        return [importlib.import_module(name) for name in names]
+
+
+@contextlib.contextmanager
+def importable(folder: Path, package: str) -> Iterator[None]:
+    """Lets a package in a folder be freshly imported, also by other files."""
+    with without_modules(package):
         sys.path.insert(0, str(folder))
         importlib.invalidate_caches()
         try:
-            return [importlib.import_module(name) for name in names]
+            yield
         finally:
             sys.path.remove(str(folder))
 

@@ -44,27 +44,25 @@ class BusLog(Log):
     def is_file(self) -> bool:
         return False
 
-    def recorded(self) -> Iterator[LogFrame]:
+    def recorded(self) -> Iterator[LogFrame | None]:
         """The frames, without a mark of their direction. Raises LogError."""
-        while (message := self._next()) is not None:
-            recorded = recorded_frame("", message)
-            if isinstance(recorded, SkippedPart):
-                self.counts.skip(recorded)
-            else:
-                yield recorded._replace(mark=None)
-
-    def _next(self) -> can.Message | None:
-        """The next message; None if the user ends the log."""
-        start = time.monotonic()
-        message = self._received(0)
-        if message is None:
-            self.on_wait(0)
-        while message is None and not self.is_ended:
-            message = self._received(PAUSE)
+        while not self.is_ended:
+            message = self._received(0)
             if message is None:
-                self.on_wait(time.monotonic() - start)
-        self.waited += time.monotonic() - start
-        return message
+                start, waited = time.monotonic(), self.waited
+                self.on_wait(0)
+                while message is None and not self.is_ended:
+                    message = self._received(PAUSE)
+                    self.waited = waited + time.monotonic() - start
+                    if message is None:
+                        self.on_wait(self.waited - waited)
+                        yield None
+            if message is not None:
+                recorded = recorded_frame("", message)
+                if isinstance(recorded, SkippedPart):
+                    self.counts.skip(recorded)
+                else:
+                    yield recorded._replace(mark=None)
 
     def _received(self, seconds: float) -> can.Message | None:
         try:

@@ -8,6 +8,7 @@ that some edition fits; the edition can change later.
 from __future__ import annotations
 
 import itertools
+import math
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -209,22 +210,37 @@ def follow(
 ) -> tuple[Nodes, Iterator[LogFrame]]:
     """The nodes of a stream, and its frames; later choices are added to the nodes before the frame is yielded."""
     identifiers = Identifiers(editions, recorder)
-    frames = iter(log)
+    frames = log.with_pauses()
     start: list[LogFrame] = []
-    due = 0.0
-    for frame in itertools.islice(frames, LOOKAHEAD):
-        due = due if start else log.waited + PATIENCE
-        start.append(frame)
-        identifiers.add(frame)
-        if log.waited > due:
-            due = log.waited + PATIENCE
-            if identifiers.is_certain and _has_fitting(identifiers.best):
+    patience = _Patience(log)
+    for frame in frames:
+        if frame is not None:
+            start.append(frame)
+            identifiers.add(frame)
+            if len(start) == LOOKAHEAD or (len(start) % (4 * BLOCK) == 0 and _is_decided(identifiers.best)):
                 break
-        if len(start) % (4 * BLOCK) == 0 and _is_decided(identifiers.best):
+        if patience.is_over(frame) and identifiers.is_certain and _has_fitting(identifiers.best):
             break
     identifier = identifiers.best
     nodes = nodes_of(identifier, settings)
     return nodes, itertools.chain(start, _Following(identifier, nodes, len(start)).frames(frames, log))
+
+
+class _Patience:
+    """Measures the pauses of a stream."""
+
+    def __init__(self, log: Log) -> None:
+        self._log = log
+        self._due = math.inf
+
+    def is_over(self, frame: LogFrame | None) -> bool:
+        """Whether there were PATIENCE seconds of pauses since it was over before, or since the first frame after that."""
+        if self._log.waited > self._due:
+            self._due = self._log.waited + PATIENCE if frame else math.inf
+            return True
+        if frame and self._due == math.inf:
+            self._due = self._log.waited + PATIENCE
+        return False
 
 
 def _has_fitting(identifier: Identifier) -> bool:
@@ -251,17 +267,17 @@ class _Following:
         self._next: dict[NodeFrames, int] = {}
         """The number of frames of a node at which it is examined again."""
 
-    def frames(self, frames: Iterable[LogFrame], log: Log) -> Iterator[LogFrame]:
-        """The next frames of a stream; those of a new node wait."""
-        due = log.waited + PATIENCE
+    def frames(self, frames: Iterable[LogFrame | None], log: Log) -> Iterator[LogFrame]:
+        """The next frames of a stream, with its pauses; those of a new node wait."""
+        patience = _Patience(log)
         for frame in frames:
-            node = self._identifier.add(frame)
-            self._held.append((self._number, frame, node))
-            if node is not None:
-                self._examine(node)
-            self._number += 1
-            if log.waited > due:
-                due = log.waited + PATIENCE
+            if frame is not None:
+                node = self._identifier.add(frame)
+                self._held.append((self._number, frame, node))
+                if node is not None:
+                    self._examine(node)
+                self._number += 1
+            if patience.is_over(frame):
                 self._choose_fitting()
             while self._held and (self._held[0][2] not in self._waiting or len(self._held) > LOOKAHEAD):
                 yield self._released()

@@ -98,13 +98,18 @@ class Log:
 
     def __iter__(self) -> Iterator[LogFrame]:
         """Raises LogError and OSError."""
+        return (recorded for recorded in self.with_pauses() if recorded is not None)
+
+    def with_pauses(self) -> Iterator[LogFrame | None]:
+        """The frames; of a bus also None at each PAUSE without a frame. Raises LogError and OSError."""
         frames = 0
         try:
             read = self.recorded()
-            for recorded in joined(read) if self.is_split else read:
-                frames += 1
-                if recorded.frame.remote:
-                    self.counts.remote += 1
+            for recorded in joined(filter(None, read)) if self.is_split else read:
+                if recorded is not None:
+                    frames += 1
+                    if recorded.frame.remote:
+                        self.counts.remote += 1
                 yield recorded
                 if self.is_ended:
                     break
@@ -128,8 +133,8 @@ class Log:
                 "ASC, BLF, TRC, MF4, CSV or pcap"
             )
 
-    def recorded(self) -> Iterator[LogFrame]:
-        """The frames, and `counts` of what is skipped."""
+    def recorded(self) -> Iterator[LogFrame | None]:
+        """The frames, and `counts` of what is skipped; None at a pause that the reader can announce."""
         source = self._source if self.is_file else cast("BinaryIO", _Stream(self._source, self))
         ahead = _AHEAD if self.is_file else _AHEAD_OF_STREAM
         return _read(_buffered(source), self.counts, ahead, self.has_differences)
