@@ -171,8 +171,8 @@ def _unpack(kernel: Path, image: Path) -> Mapping[str, bytes]:
         for member in files:
             if "/boot/vmlinuz-" in member.name:
                 image.write_bytes(content(member))
-            elif found := re.search(r"/([^/]+)\.ko(\.xz)?$", member.name):
-                packed[found[1].replace("-", "_")] = member
+            elif module_name := re.search(r"/([^/]+)\.ko(\.xz)?$", member.name):
+                packed[module_name[1].replace("-", "_")] = member
         for name in MODULES:
             add(name)
     return needed
