@@ -65,7 +65,7 @@ def guides(language: str) -> dict[str, object]:
         name: {
             "title": PLAIN.sub("", text.partition("\n")[0]).strip("# "),
             "headings": [[PLAIN.sub("", heading), ""] for heading in re.findall("^##+ (.*)$", text, re.MULTILINE)],
-            "text": PLAIN.sub("", text) if "/" not in name else "",
+            "text": PLAIN.sub("", text) if "/" not in name or name.endswith("/bus") else "",
         }
         for name, text in sorted(texts.items())
         if "/commands/" not in name

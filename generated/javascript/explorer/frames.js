@@ -11,6 +11,10 @@ canwright.frames = (() => {
   const TIME = /^\s*\(([^)]*)\)/;
   const FD_LENGTHS = [12, 16, 20, 24, 32, 48, 64];
 
+  // Lines of other logs: slcan; PCAN, whose lines have a number, a time and perhaps a type and a bus
+  const SLCAN = /^\s*(?:t([0-9A-F]{3})|T([0-9A-F]{8}))([0-8])((?:[0-9A-F]{2})*)$/;
+  const PCAN = /^\s*\d+\)?\s+\d+\.\d+\s+(?:[A-Z]{2}\s+)?(?:\d+\s+)?(?:([0-9A-F]{4,8})\s+)?(Rx|Tx)\s+(?:([0-9A-F]{4,8})\s+)?(?:-\s+)?(\d+)((?:\s+[0-9A-F]{2})*)\s*$/;
+
   // Notations that people paste
   const WIDE = /[\uff01-\uff5e]/g; // full-width characters
   const MARKED = /\\x(?=[0-9A-F]{2})|(?<=\b[0-9A-F]{2,8})h\b|(?<=\b[0-9A-F]{2})-(?=[0-9A-F]{2}\b)|\bb(?=['"])/gi; // of strings, assemblers and tools
@@ -18,13 +22,18 @@ canwright.frames = (() => {
   const LIST = /[{[]([^{}[\]]*[^{}[\]\d\s][^{}[\]]*)[}\]]/; // of C, Python or JSON; `[8]` is a length
   const ID_LABEL = /(?:^|[^a-z])(?:id|标识符)["']?\s*[:=]?\s*["']?(?:0x)?([0-9a-f]+)h?(?![0-9a-z_])/di;
   const LENGTH_LABEL = /(?:^|[^a-z])(?:dlc|dl|len|length|长度)["']?\s*[:=]?\s*(\d+)/di;
-  const DATA_LABEL = /(?:data|payload|bytes|数据)["']?\s*(?:\[\d*\])?\s*[:=]|数据\s/i;
+  const DATA_LABEL = /(?:data|payload|bytes|buffer|buf|数据)["']?\s*(?:\[\d*\])?\s*[:=]|数据\s/i;
   const STANDARD = /标准|\bst(?:d|andard)\b|\bfalse\b/i; // `false` is in the column for extended ids
-  const EXTENDED = /扩展|\bext(?:ended)?\b|\sX\s/i;
-  const TOKEN = /[^\s,;:=|"'(){}[\]]+/g;
+  const EXTENDED = /扩展|\bext(?:ended)?\b(?!["']?\s*[:=]\s*(?:0|false)\b)|\sX\s/i;
+  const TOKEN = /[^\s,;:=|"'(){}[\]<>]+/g;
   const BYTE = /^(?:0x)?[0-9a-f]{2}$/i;
-  const ID = /^(?:0x)?(?:[0-9a-f]{3}|[0-9a-f]{8})$|^0x[0-9a-f]+$/i;
-  const WORD = /^[dx]$|^(?=.*[^0-9a-f])\D{2,}\d*$/i;
+  const SHORT_BYTE = /^(?:0x)?[0-9a-f]{1,2}$/i; // programs of microcontrollers print no leading zero
+  const ID = /^(?:0x)?(?:[0-9a-f]{3}|0[0-7][0-9a-f]{2}|[0-9a-f]{8})$|^0x[0-9a-f]+$/i;
+  const WORD = /^[dsx-]$|^(?=.*[^0-9a-f])\D{2,}\d*$/i;
+  const AFTER = /(?<=\s(?:0x)?[0-9a-f]{1,2}\s+)\d+\.\d+\s+[RT]\s*$|\s'[^']*'\s*$/i; // a time with a direction, characters
+  const ASSIGNED = /\[\d+\]\s*=\s*(0x[0-9a-f]{1,2}|\d+)\b/gi; // a byte of an array
+  const STRING = /(?:bytearray\()?\bb(?:'((?:\\.|[^\\'])*)'|"((?:\\.|[^\\"])*)")/i; // bytes of Python
+  const ESCAPES = { n: 10, r: 13, t: 9 };
 
   const numbers = (digits) => (digits.match(/[0-9A-Fa-f]{2}/g) ?? []).map((byte) => parseInt(byte, 16));
 
@@ -37,7 +46,7 @@ canwright.frames = (() => {
   function recorded(line) {
     const asc = ASC.exec(line);
     const plain = BYTES.exec(line);
-    return asc ? fromAsc(asc) : plain ? fromBytes(plain) : fromCandump(line);
+    return asc ? fromAsc(asc) : plain ? fromBytes(plain) : (fromCandump(line) ?? fromSlcan(line) ?? fromPcan(line));
   }
 
   /** What is wrong with a frame, as a label with its value; null if nothing is. */
@@ -56,6 +65,20 @@ canwright.frames = (() => {
 
   function fromBytes([, id, digits]) {
     return { id: parseInt(id, 16), data: numbers(digits.replace(/0x/gi, "")), extended: id.length === 8, remote: false, time: "", sent: null };
+  }
+
+  /** A line of slcan, which can end with a time of two bytes. */
+  function fromSlcan(line) {
+    const [, id, long, length, digits] = SLCAN.exec(line) ?? [];
+    const excess = digits?.length - 2 * length;
+    return excess === 0 || excess === 4 ? pasted(parseInt(id ?? long, 16), numbers(digits).slice(0, length), !id) : null;
+  }
+
+  function fromPcan(line) {
+    const [, before, mark, after, length, digits] = PCAN.exec(line) ?? [];
+    const id = before ?? after;
+    const data = numbers(digits ?? "");
+    return id && data.length === Number(length) ? pasted(parseInt(id, 16), data, id.length === 8, mark === "Tx") : null;
   }
 
   function fromCandump(line) {
@@ -83,11 +106,25 @@ canwright.frames = (() => {
    * `{ frame }`, whose id is null if the text has none, or `{ problem }`: a label, the column and further values.
    */
   function parse(text) {
-    const line = text.replace(WIDE, (character) => String.fromCharCode(character.charCodeAt(0) - 0xfee0)).replace(/[\u3000、]/g, " ").replace(MARKED, (mark) => " ".repeat(mark.length));
+    const blank = (mark) => " ".repeat(mark.length);
+    const narrow = text.replace(WIDE, (character) => String.fromCharCode(character.charCodeAt(0) - 0xfee0)).replace(/[\u3000、]/g, " ");
+    const line = narrow.replace(STRING, (_, single, double) => bytesOf(single ?? double)).replace(MARKED, blank).replace(AFTER, blank);
+    const assigned = [...line.matchAll(ASSIGNED)].map(([, value]) => Number(value));
+    if (assigned.length > 1 && assigned.every((value) => value < 256)) {
+      const label = ID_LABEL.exec(line);
+      return { frame: pasted(label && parseInt(label[1], 16), assigned) };
+    }
     const dump = DUMP.exec(line);
     const frame = dump ? pasted(null, numbers(dump[1])) : parseLine(line);
     const rest = frame && !dump && line.includes("#") ? strayAfterHash(line) : null;
     return rest ? { problem: rest } : frame ? { frame } : line.includes("#") ? { problem: wrongDigits(line) } : fromTokens(line);
+  }
+
+  /** The bytes of a string of Python in hexadecimal. */
+  function bytesOf(content) {
+    const parts = content.match(/\\x[0-9a-f]{2}|\\.|[^\\]/gis) ?? [];
+    const value = (part) => (/^\\x/.test(part) ? parseInt(part.slice(2), 16) : (ESCAPES[/^\\(.)/.exec(part)?.[1]] ?? part.at(-1).charCodeAt(0)));
+    return parts.map((part) => hex(value(part), 2)).join(" ");
   }
 
   function pasted(id, data, extended = false, sent = null) {
@@ -134,7 +171,8 @@ canwright.frames = (() => {
     const isOfC = list && region.bytes.every(({ token }) => /^(?:0x[0-9a-f]{1,2}|0|[1-9]\d{0,2})u?$/i.test(token));
     const end = list ? -1 : region.bytes.findIndex(({ token }, i) => i > 0 && WORD.test(token));
     const bytes = end < 0 ? region.bytes : region.bytes.slice(0, end);
-    const values = bytes.map(({ token }) => (isOfC ? Number(token.replace(/u$/i, "")) : BYTE.test(token) ? parseInt(token, 16) : NaN));
+    const digit = (region.isShort || (behind !== null && bytes.length > 1)) && !list ? SHORT_BYTE : BYTE;
+    const values = bytes.map(({ token }) => (isOfC ? Number(token.replace(/u$/i, "")) : digit.test(token) ? parseInt(token, 16) : NaN));
     const whole = bytes.length === 1 || region.isPacked ? bytes.map(({ token }) => token.replace(/^0x/i, "")).join("") : "";
     const content = /^(?:[0-9a-f]{2})+$/i.test(whole) ? numbers(whole) : values;
     const wrong = content.findIndex((value) => !(value < 256));
@@ -151,7 +189,8 @@ canwright.frames = (() => {
     const ahead = list ? tokens(0, list.index).findLast(({ token }) => /^0x[0-9a-f]+$/i.test(token)) : undefined;
     const id = label ? { token: label[1], column: label.indices[1][0] + 1 } : (region.id ?? ahead);
     const digits = id ? id.token.replace(/^0x/i, "") : "";
-    const number = id ? parseInt(digits, 16) : null;
+    const isDecimal = isOfC && bytes.some(({ token }) => /^\d{3}u?$/.test(token)) && !/0x/i.test(line); // as ROS prints messages
+    const number = id ? parseInt(digits, isDecimal ? 10 : 16) : null;
     const isLong = digits.length === 8 || (digits.length > 3 && number > 0x7ff);
     const extended = EXTENDED.test(line) || (isLong && !STANDARD.test(line));
     const sent = /\btx\b|发送/i.test(line) ? true : /\brx\b|接收/i.test(line) ? false : null;
@@ -168,6 +207,10 @@ canwright.frames = (() => {
 
   /** The bytes at the end of some tokens, with the id and the length before them, between which there are only words and digits. */
   function unlabelled(tokens) {
+    const counted = tokens.findIndex(({ token }, i) => ID.test(token) && tokens[i + 1]?.token === String(tokens.length - i - 2));
+    if (counted >= 0 && tokens.slice(counted + 2).every(({ token }) => SHORT_BYTE.test(token))) {
+      return { bytes: tokens.slice(counted + 2), id: tokens[counted], isShort: true };
+    }
     while (tokens.length > 1 && tokens.at(-1).token.length > 1 && WORD.test(tokens.at(-1).token)) {
       tokens.pop();
     }
@@ -179,7 +222,8 @@ canwright.frames = (() => {
       start -= 1;
     }
     const head = tokens.slice(0, start);
-    const ids = head.filter(({ token }) => ID.test(token));
+    const isCount = ({ token }) => /^0x0/i.test(token) && Number(token) === tokens.length - start;
+    const ids = head.filter((each, i) => ID.test(each.token) && !(i > 1 && isCount(each)));
     const id = ids.findLast(({ token }) => /^0x/i.test(token)) ?? ids.at(-1);
     const between = id ? head.slice(head.indexOf(id) + 1) : head;
     const stray = between.find(({ token }) => !WORD.test(token) && !/^\d$/.test(token) && !(BYTE.test(token) && start < tokens.length));

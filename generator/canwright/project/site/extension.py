@@ -38,14 +38,14 @@ def _without_search_of_sphinx(app: Sphinx) -> None:
 
 
 def _collect(app: Sphinx, doctree: nodes.document) -> None:
-    """Notes the links of a page, whose order is that of menus, and what the search finds: headings, texts of guides."""
+    """Notes the links of a page, whose order is that of menus, and what the search finds: headings, texts of guides and of buses."""
     env = app.env
     page = env.metadata[env.docname]
     links = (link["page"] for link in doctree.findall(nodes.reference) if "page" in link)
     page["orphan"] = True  # menus are not made of toctrees
     page["links"] = list(dict.fromkeys(links))
     sections = list(doctree.findall(nodes.section))
-    page["text"] = doctree.astext() if "/" not in env.docname else ""
+    page["text"] = doctree.astext() if "/" not in env.docname or env.docname.endswith("/bus") else ""
     page["headings"] = [(section[0].astext(), section["ids"][0]) for section in sections[1:]]
 
 

@@ -124,7 +124,7 @@ class Menu:
                 if name not in self._commands
             },
             "editions": [
-                {key: edition[key] for key in ("folder", "family", "name", "records")}
+                {key: edition[key] for key in ("folder", "family", "name", "date", "records")}
                 for edition in self.editions.values()
             ],
         }

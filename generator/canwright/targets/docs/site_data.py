@@ -12,7 +12,7 @@ from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Command, Direction, IdRule, Message
 from ...model.metadata import Mode
-from ...model.types import Parameter, Type
+from ...model.types import Encoding, Parameter, Type
 from ...templating import resources
 from ...templating.data_files import read_data
 from ...templating.markup import script_text
@@ -37,7 +37,13 @@ def site_data(listed: Sequence[tuple[str, Edition]], labels: Mapping[Edition, st
 
 
 def _edition(folder: str, edition: Edition, label: str) -> str:
-    about = {"folder": folder, "family": edition.family, "name": label, "languages": list(edition.languages)}
+    about = {
+        "folder": folder,
+        "family": edition.family,
+        "name": label,
+        "date": edition.date,
+        "languages": list(edition.languages),
+    }
     records = ",\n".join(_json({name: v for name, v in record.items() if v}) for record in _records(edition))
     return f'{_json(about)[:-1]}, "records": [\n{records}\n]}}'
 
@@ -168,7 +174,14 @@ def _ids(edition: Edition) -> Iterator[Record]:
                 continue  # the node of an id depends on the device
             nodes = rule.nodes if rule.nodes is not None else range(1)
             numbers = {"base": rule.base, "step": rule.node_step, "first": nodes.start, "last": nodes.stop - 1}
-            item = {"kind": "id", "name": formatting.id_rule(rule), "title": dict(address.title), "ids": numbers}
+            count = [f"{nodes.start} {nodes.stop - 1}"] if rule.nodes is not None else []
+            item = {
+                "kind": "id",
+                "name": formatting.id_rule(rule),
+                "title": dict(address.title),
+                "ids": numbers,
+                "words": count,
+            }
             by_rule.setdefault(rule, {**item, "directions": [], "pages": ["bus"]})["directions"].append(direction.value)
     yield from by_rule.values()
 
@@ -199,17 +212,27 @@ def _quantity(type_: Type) -> Record:
     unit = type_.unit
     return {
         "units": [unit.symbol, unit.name, *unit.title.values()] if unit else [],
-        "words": [text for _, text in formatting.scale(type_) if unit] + list(dict.fromkeys(_limits(type_))),
+        "words": [text for _, text in formatting.scale(type_) if unit]
+        + list(dict.fromkeys(_limits(type_)))
+        + _raw(type_),
     }
 
 
+def _raw(type_: Type) -> list[str]:
+    """The type of the raw integer, as C and this project write it: `int16_t`, `int16`, `i16`."""
+    if type_.encoding is Encoding.FLOAT:
+        return [f"f{type_.width}", f"float{type_.width}"]
+    letter, sign = ("i", "") if type_.encoding is Encoding.SIGNED else ("u", "u")
+    return [f"{sign}int{type_.width}_t", f"{sign}int{type_.width}", f"{letter}{type_.width}"]
+
+
 def _limits(type_: Type) -> Iterator[str]:
-    """The ends of the ranges of a number that do not depend on the device, as raw integers and in its unit."""
+    """The ends of the ranges of a number as raw integers, and in its unit if they do not depend on the device."""
     for names, limits in type_.raw_range.distinct():
-        if limits is None or not limits.is_constant:
+        if limits is None:
             continue
         yield f"{formatting.bound(limits.low)} {formatting.bound(limits.high)}"
-        if not type_.unit:
+        if not type_.unit or not limits.is_constant:
             continue
         for cases, linear in type_.linear.distinct():
             if linear is not None and linear.times is None and (not names or not cases or {*names} & {*cases}):
@@ -229,6 +252,8 @@ def _types(edition: Edition) -> Iterator[Record]:
         if is_named:
             titles = {"title": dict(type_.title), "about": dict(type_.about)}
             yield {"kind": "type", "name": type_.name, **titles, **_quantity(type_), "pages": pages}
-        for member in type_.members:
-            titles = {"title": dict(member.title), "about": dict(member.about)}
-            yield {"kind": "value", "name": member.name, **titles, "pages": pages}
+        for key, members in type_.members_by_key.items():
+            for member in members:
+                titles = {"title": dict(member.title), "about": dict(member.about)}
+                raw = f"bit {member.value}" if key == "flags" else f"0x{member.value:02X}"
+                yield {"kind": "value", "name": member.name, "words": [raw], **titles, "pages": pages}

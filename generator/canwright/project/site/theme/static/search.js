@@ -2,7 +2,7 @@
 // Search without an inverted index: some thousand short texts are compared in a few milliseconds. Libraries for full
 // text split words at spaces, which Chinese does not have, and know neither codes nor rules of ids.
 
-const SEPARATORS = /(?:[\s_+=~\-‐–—,，、;；:：。()（）[\]【】"'“”`!！?？/]|\.{2,})+/gu;
+const SEPARATORS = /(?:[\s_+=~±*&|<>\-‐–—,，、;；:：。()（）[\]{}【】《》"'“”`!！?？/]|\.{2,})+/gu;
 const BOUNDARY = /(?<=[\u3400-\u9fff])(?=[a-z0-9])|(?<=[a-z0-9])(?=[\u3400-\u9fff])/gu;
 const BETWEEN_CHINESE = /(?<=[\u3400-\u9fff]) (?=[\u3400-\u9fff])/gu;
 const CHINESE = /[\u3400-\u9fff]/u;
@@ -13,12 +13,15 @@ const QUANTITY = /(?<![\w.])(?:\d+\.\d+(?=[a-zµ°℃])|\d+(?=[a-zµ°℃]{1,6}(
 const PLURAL = /(?<=\b[a-z]{2,}[a-rtv-z])s\b/gu;
 /** The ending of `calibrated`, `calibration` or `braking`. */
 const ENDING = /(?<=[a-z]{4})(?:ing|ion|ed|e)$/u;
+const FORM = /^(?:ing|ion|or|er|ed|e)?(?: |$)/u;
 
 /** Where `maxLevel` has two words, but not `mA`. */
 const CAMEL = /(?<=[a-z]{2})(?=[A-Z])/gu;
 
 /** The bytes of a frame, which manuals print beside codes and fields. */
 const PLACE = /\bdata\s*\[\d+(?:\.\.\d+)?\]/giu;
+/** A month as it is written in Chinese. */
+const MONTH = /(\d{4})\s*年\s*(\d{1,2})\s*月/gu;
 /** What headings of manuals add in parentheses. */
 const REMARK = /(?<=\S)\s*[（(][^（()）]{8,}[)）]/gu;
 
@@ -55,9 +58,18 @@ function quality(term, text) {
   const share = term.length / text.length / 10;
   const spaced = ` ${text} `;
   if ((isChinese && term.length > 1 ? text : spaced).includes(isChinese && term.length > 1 ? term : ` ${term} `)) { return (text.startsWith(term) ? 0.76 : 0.7) + share; }
-  if (isChinese) { return 0.6 * pairsIn(term, text); }
+  if (isChinese) { return /[a-z0-9]/u.test(term) ? 0 : 0.6 * pairsIn(term, text); }
   if (term.length < 3) { return 0; }
-  return spaced.includes(` ${term.replace(ENDING, "")}`) ? 0.5 + share : text.includes(term) ? 0.3 + share : 0;
+  const isPart = ` ${text}`.includes(` ${term}`) || hasForm(` ${text}`, ` ${term.replace(ENDING, "")}`);
+  return isPart ? 0.5 + share : text.includes(term) ? 0.3 + share : 0;
+}
+
+/** Whether a text has a word with a stem and an ending, as `calibrate` for `calibrat`, but not `windows` for `wind`. */
+function hasForm(text, stem) {
+  for (let at = text.indexOf(stem); at >= 0; at = text.indexOf(stem, at + 1)) {
+    if (FORM.test(text.slice(at + stem.length))) { return true; }
+  }
+  return false;
 }
 
 /** The share of pairs of neighbouring Chinese characters that a text contains, if it is most of them. */
@@ -83,13 +95,31 @@ function distance(word, other, most) {
   return last[other.length];
 }
 
-/** A frame as programs print it: the id, if any, and the data bytes; null for other text. */
-function pastedFrame(text) {
-  const bytes = text.normalize("NFKC").toLowerCase().replace(/^\(\d+\.\d+\)|\b(?:can\d|id|data|dlc|len|[rt]x)\b|标识符|数据|帧|[:=,]/gu, " ").trim();
-  const frame = bytes.match(/^(?:(?:0x)?([0-9a-f]{3,8})\s*(?:#|\s)\s*(?:\[\d+\]\s*|\d\s+)?)?((?:(?:0x)?[0-9a-f]{2}[\s,.…]*)+)$/u);
-  if (!frame) { return null; }
-  const data = frame[2].replace(/0x|[^0-9a-f]/gu, "").match(/../gu);
-  return (frame[1] && (text.includes("#") || data.length > 1)) || data.length > 2 ? { id: frame[1], data } : null;
+/** The first data byte of a frame as programs print it, with times, names and lengths around it; null for other text. */
+function pastedCode(text) {
+  const words = text.normalize("NFKC").toLowerCase().replace(/\d+:\d\d(?::\d\d)?(?:\.\d+)?/gu, " ").replace(/(?<![\w-])(?:[0-9a-f]{2}-){3,7}[0-9a-f]{2}(?![\w-])/gu, bytes => bytes.replaceAll("-", " ")).split(/[\s:=,.…[\](){}]+/u).map(word => word.replace(/^0x|h$/gu, ""));
+  const short = words.join(" ").match(/(?:^| )[0-9a-f]{3,8} ?# ?([0-9a-f]{2})(?:[0-9a-f]{2}| )*$/u);
+  if (short) { return short[1]; }
+  const isId = word => /^[0-9a-f]{3,8}$/u.test(word);
+  let longest = { start: 0, count: 0 };
+  for (let start = 0, count = 0; start < words.length; start += count + 1) {
+    for (count = 0; /^[0-9a-f]{2}$/u.test(words[start + count] ?? "");) { count++; }
+    if (count > longest.count) { longest = { start, count }; }
+  }
+  const { start, count } = longest;
+  const hasId = isId(words[start - 1] ?? "") || (/^\d$/u.test(words[start - 1] ?? "") && isId(words[start - 2] ?? ""));
+  if (count > 2 || (count > 1 && hasId)) { return words[count > 8 ? start + count - 8 : start]; }
+  const whole = words.findIndex(word => /^(?:[0-9a-f]{2}){4,8}$/u.test(word));
+  return whole > 0 && words.slice(0, whole).some(isId) || words[whole]?.length === 16 ? words[whole].slice(0, 2) : null;
+}
+
+/** A function of a text that computes each result once. */
+function kept(compute) {
+  const results = new Map();
+  return (text, ...rest) => {
+    if (!results.has(text)) { results.set(text, compute(text, ...rest)); }
+    return results.get(text);
+  };
 }
 
 function createSearch(index, language) {
@@ -134,20 +164,23 @@ function createSearch(index, language) {
   const isRepeated = (item, own) => item.kind === "heading" && own.some(({ kind, texts }) => kind !== "heading" && texts.includes(item.texts[0]));
   for (const found of documents.values()) { found.items = found.items.filter(item => !isRepeated(item, found.items)); }
   const items = [...new Set([...documents.values()].flatMap(({ items: own }) => own))];
-  const vocabulary = new Set([...groups.flat(), ...items.flatMap(({ texts, about }) => [...texts, ...about])].flatMap(text => text.split(" ")).filter(word => /^[a-z]{4,}$/u.test(word)));
+  const words = new Set([...groups.flat(), ...items.flatMap(({ texts, about }) => [...texts, ...about])].flatMap(text => text.split(" ")));
+  const chinese = [...new Set(items.flatMap(({ texts }) => texts).filter(text => CHINESE.test(text)))];
+  const vocabulary = new Set([...words].filter(word => /^[a-z]{4,}$/u.test(word)));
+  const printed = new Set(items.flatMap(item => (item.printed ?? "").split(", ")).filter(name => /^[a-z]\w+$/iu.test(name)).map(normalized));
   const names = new Map(index.editions.map(edition => [edition.folder, edition.name]));
   const families = new Map(index.editions.map(edition => [edition.folder, edition.family]));
   const newest = index.editions.at(-1)?.folder ?? "";
 
   /**
-   * The words that name editions, the longest first: `v2.35 2024 02`, its beginnings, also without `v`, and `2024 02` or `2024`.
+   * The words that name editions, the longest first: `v2.35 2024 02`, its beginnings, also without `v`, and the month or year of its date.
    * A version is also that of later editions with the same number, which can have what the first one lacks.
    */
   const versions = new Map();
-  for (const { folder, name } of index.editions) {
+  for (const { folder, name, date } of index.editions) {
     const label = normalized(name).split(" ");
     const beginnings = words => words.map((_, i) => words.slice(0, i + 1).join(" "));
-    const all = [...beginnings(label), ...beginnings(label.slice(1)), ...beginnings([label[0].replace(/^v/u, ""), ...label.slice(1)])];
+    const all = [...beginnings(label), ...beginnings(label.slice(1)), ...beginnings([label[0].replace(/^v/u, ""), ...label.slice(1)]), ...beginnings(date.split("-").slice(0, 2))];
     for (const text of new Set(all)) {
       if (/\d.*\d/u.test(text) && text.length > 2) { versions.set(text, [...(versions.get(text) ?? []), folder]); }
     }
@@ -205,41 +238,54 @@ function createSearch(index, language) {
 
   /** Chinese words as long as a term or longer by a character: synonyms, and parts of titles for terms of three and more. */
   function neighbours(term) {
-    const parts = [...new Set(items.flatMap(({ texts }) => texts).filter(text => CHINESE.test(text)))].flatMap(text => [0, 1].flatMap(more => [...text].map((_, i) => text.slice(i, i + term.length + more))));
+    const parts = chinese.flatMap(text => [0, 1].flatMap(more => [...text].map((_, i) => text.slice(i, i + term.length + more))));
     return new Set([...groups.flat().filter(word => word[0] === term[0]), ...(term.length > 2 ? parts : [])].filter(word => word.length >= term.length && CHINESE.test(word)));
   }
 
   /** The words of the pages that differ least from a word with a typo; of `32a`, the number and its unit. */
-  function near(word) {
+  const near = kept(word => {
     const quantity = word.match(/^(\d+)([a-z])$/u);
     if (quantity) { return [`${quantity[1]} ${quantity[2]}`]; }
     const most = word.length > 7 ? 2 : 1;
     const isChinese = CHINESE.test(word) && word.length > 1;
-    if (!isChinese && !/^[a-z]{4,}$/u.test(word)) { return []; }
+    if (!isChinese && !/^[a-z]{3,}$/u.test(word)) { return []; }
     const candidates = [...(isChinese ? neighbours(word) : vocabulary)].map(text => ({ text, far: distance(word, text, most) }));
     const least = Math.min(most, ...candidates.map(({ far }) => far));
     return candidates.filter(({ far }) => far === least).map(({ text }) => text);
-  }
+  });
 
-  const isUnknown = part => !stops.has(part.word) && items.every(item => !value(item, part));
+  const isUnknownTo = kept((word, same) => items.every(item => !value(item, { word, same })));
+  const isUnknown = ({ word, same }) => !stops.has(word) && isUnknownTo(word, same);
 
-  /** A query with the words of the pages instead of words with typos, in each way that is probable. */
-  function spelled(query) {
-    return terms(query).filter(isUnknown).reduce((queries, { word }) => {
-      const words = near(word);
-      return words.length ? queries.flatMap(each => words.map(right => each.replace(word, right))).slice(0, SPELLINGS) : queries;
-    }, [query]);
-  }
+  /** Whether a term can have a typo: no text contains it, or all only as a part of another word. */
+  const isDoubtful = part => isUnknown(part) || (/^[a-z]{3,}$/u.test(part.word) && !part.same.length && !stops.has(part.word) && !words.has(part.word));
 
-  /** Instead of a Chinese term that nothing contains, not even with a typo: the longest parts of it that texts contain. */
-  function pieces(term) {
+  /** Chinese text that no text contains, as the longest parts of it that texts contain and what is between them. */
+  function pieces(text) {
+    const isIn = part => items.some(({ texts }) => texts.some(of => of.includes(part))) || groups.some(group => group.includes(part));
     const list = [];
-    const isIn = part => items.some(({ texts }) => texts.some(text => text.includes(part))) || groups.some(group => group.includes(part));
-    for (let at = 0, end = term.word.length; CHINESE.test(term.word) && at < term.word.length - 1; at = end, end = term.word.length) {
-      while (end - at > 1 && !isIn(term.word.slice(at, end))) { end--; }
-      if (end - at > 1) { list.push(...terms(term.word.slice(at, end))); }
+    let rest = "";
+    for (let at = 0, end = text.length; at < text.length; at = end, end = text.length) {
+      while (end - at > 1 && !isIn(text.slice(at, end))) { end--; }
+      if (end - at > 1) {
+        list.push(rest, text.slice(at, end));
+        rest = "";
+      } else {
+        rest += text.slice(at, end);
+      }
     }
-    return list.length ? list : [term];
+    return [...list, rest].filter(part => part.length > 1);
+  }
+
+  /** A query, and with the words of the pages instead of words that can have typos, in each way that is probable. */
+  function spelled(query) {
+    const divided = part => CHINESE.test(part.word) && isUnknown(part) && !near(part.word).length ? pieces(part.word).flatMap(terms) : [part];
+    const parts = terms(query).flatMap(divided);
+    if (!parts.some(isDoubtful)) { return [query]; }
+    return parts.reduce((queries, part) => {
+      const alternatives = isDoubtful(part) ? near(part.word) : [];
+      return queries.flatMap(each => [part.word, ...alternatives].map(word => `${each} ${word}`)).slice(0, SPELLINGS);
+    }, [""]).map(each => each.trim().replace(BETWEEN_CHINESE, ""));
   }
 
   /** The item of an id, with the node that it belongs to; null for another id. */
@@ -275,11 +321,11 @@ function createSearch(index, language) {
 
   /** The terms of a query with the values of all items; Chinese terms that nothing contains are divided. */
   function matched(query) {
-    const parts = terms(query).flatMap(part => isUnknown(part) ? pieces(part) : [part]);
+    const parts = terms(query).flatMap(part => CHINESE.test(part.word) && isUnknown(part) ? pieces(part.word).flatMap(terms) : [part]);
     return { parts, values: valued(parts) };
   }
 
-  /** Pages with their scores: the mean over the terms, in which a rare term weighs more than a frequent one. */
+  /** Pages with their scores: the mean over the terms, in which a term weighs more if it is rare and matches well somewhere. */
   function scored(query, asked) {
     const text = normalized(asked);
     const { parts, values } = matched(query);
@@ -288,12 +334,12 @@ function createSearch(index, language) {
     const ofPage = pages.map(page => parts.map((_, i) => Math.max(...page.items.map(item => values.get(item)[i]))));
     const weights = parts.map(({ word }, i) => {
       const frequency = ofPage.filter(of => of[i]).length;
-      return !frequency ? 0 : stops.has(word) ? STOP : Math.log(1 + pages.length / frequency);
+      return !frequency ? 0 : stops.has(word) ? STOP : Math.max(...ofPage.map(of => of[i])) * Math.log(1 + pages.length / frequency);
     });
     const sum = weights.reduce((total, weight) => total + weight, 0) || 1;
-    const count = weights.filter(weight => weight > STOP).length || 1;
+    const count = parts.filter(({ word }) => !stops.has(word)).length || 1;
     const mean = of => {
-      const share = of.filter((value, i) => value && weights[i] > STOP).length / count;
+      const share = of.filter((value, i) => value && weights[i] > STOP).length / count; // of words that nothing contains, too
       return of.reduce((total, value, i) => total + weights[i] * value, 0) / sum * (0.7 + 0.3 * share);
     };
     return pages.map((found, n) => {
@@ -305,20 +351,22 @@ function createSearch(index, language) {
 
   /** The query without what people paste around it: a frame is its code, `A1h` is `a1`, `0.01rpm` two words. */
   function simplified(text) {
-    const frame = pastedFrame(text);
-    if (frame) { return frame.data[0]; }
-    const query = normalized(text.replace(PLACE, " ").replace(CAMEL, " ").replace(REMARK, " ").replace(QUANTITY, "$& "));
+    const code = pastedCode(text);
+    if (code) { return code; }
+    const words = text.replace(MONTH, (_, year, month) => ` ${year} ${month.padStart(2, "0")} `).replace(PLACE, " ").replace(/[a-z]\w*/giu, name => printed.has(normalized(name)) ? name : name.replace(CAMEL, " "));
+    const query = normalized(words.replace(QUANTITY, "$& "));
     const rest = query.split(" ").filter(word => !stops.has(word)).join(" ");
-    return /^(?:0x)?[0-9a-f]+h?$/u.test(rest) ? rest.replace(/^(0x.*)h$/u, "$1") : query;
+    return !groups.some(group => group.includes(query)) && /^(?:0x)?[0-9a-f]+h?$/u.test(rest) ? rest.replace(/^(0x.*)h$/u, "$1") : query;
   }
 
   /** The hits of a query, best first; those of `edition` before those of others that match as well. */
   return function search(text, edition, texts) {
     const { folders, means, rest: query } = ofEditions(simplified(text));
+    const { rest: heading } = ofEditions(simplified(text.replace(REMARK, " ")));
     const preferred = means || edition;
     if (!query && !folders.length) { return []; }
     const isOf = folder => !folders.length || folders.includes(folder);
-    const all = query ? spelled(query).flatMap(each => scored(each, text)) : [...documents.values()].map(found => ({ found, item: found.main ?? found.items[0], score: found.path === "index" && found.folder ? 1 : 0 }));
+    const all = query ? [...new Set([query, heading].flatMap(spelled))].flatMap(each => scored(each, text)) : [...documents.values()].map(found => ({ found, item: found.main ?? found.items[0], score: found.path === "index" && found.folder ? 1 : 0 }));
     const own = all.filter(({ found }) => isOf(found.folder) || (query && !found.folder));
     const most = Math.max(0, ...own.map(({ score }) => score));
     const pages = new Map();
