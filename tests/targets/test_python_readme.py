@@ -48,6 +48,7 @@ ready.wait()
 PATIENT = r"\1, timeout=10"
 """A time-out that a busy machine keeps."""
 CLIENT = re.compile(r"(Client\(bus, \[[^\n]*\])")
+SIMULATION = re.compile(r"(Simulation\(other_bus, \[[^\n]*\], Printed)")
 
 
 def programs(folder: Path) -> list[str]:
@@ -112,6 +113,7 @@ def test_all_programs(spec: Path, returned: bool, tmp_path: Path) -> None:
     requests = [frame for frame in item.frames.frames if frame.direction is Direction.REQUEST]
     known = f", own_frames={returned}" if x.shares_ids and not item.edition.effects else ""
     shown = [CLIENT.sub(PATIENT + known, program) for program in programs(folder)]
+    shown = [SIMULATION.sub(rf"\1, own_frames={returned}", program) for program in shown]
     done = run(folder, started(returned, answers(item, x)), *shown)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
