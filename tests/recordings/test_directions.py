@@ -246,6 +246,22 @@ def test_a_log_of_one_recorder_is_not_taken_for_that_of_two(name: str, mix: str)
     assert repeated_after(repeated(in_cycles(*toggling * 50), 12_000_000)) == 12_000_000
 
 
+def test_a_stream_of_many_nodes_is_learned_a_few_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not again for each node that completes its marks; these count from there."""
+    learn, counts = Directions.learn, list[int]()
+
+    def counting(self: Directions, start: Sequence[LogFrame]) -> object:
+        counts.append(len(start))
+        return learn(self, start)
+
+    monkeypatch.setattr(Directions, "learn", counting)
+    # Each reply could be a request, too.
+    polls = [f"0 {node:X}#9A00000000000000 T, 300 {node:X}#9A00000000000000 R" for node in range(0x141, 0x161)]
+    judged = judge(MOTOR, in_cycles(*polls, *polls), is_stream=True)
+    assert counts == [64, 128]
+    assert [frame.direction for frame in judged] == [Direction.REQUEST, Direction.REPLY] * 64
+
+
 def test_a_recorder_at_the_node_sends_replies() -> None:
     log = with_marks(Traffic(MOTOR, "mixed", 3).frames(20))
     judged = judge(MOTOR, [sent.recorded for sent in log], recorder=Direction.REPLY)

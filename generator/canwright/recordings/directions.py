@@ -60,8 +60,8 @@ _Marks = dict[tuple[str, int | None], set[Mark | None]]
 """The marks of the frames of each node of each bus."""
 _WINDOWS = (None, 20_000_000, 200_000_000)
 """The windows in ns that are tried while the behaviour is learned."""
-_LEARNED_FROM = 64
-"""The number of frames of a stream from which its behaviour is learned first; later from 4 times as many each time."""
+_LEARNED_AT = (64, 256, 1024)
+"""The numbers of frames of a stream from which its behaviour is learned before LOOKED_AHEAD."""
 _ROUNDS = 3
 """How often behaviour is learned: copies hide old bits, and these hide reply times."""
 UNTIMED = 64
@@ -305,27 +305,28 @@ class Directions:
         return _released(self._held)
 
     def _learning(self, recorded: Iterable[LogFrame]) -> Iterator[LogFrame]:
-        """The frames of a stream; the behaviour is learned while they pass, and where a node first has both marks.
+        """The frames of a stream; the behaviour is learned while they pass, and marks count where a node first has both.
 
         Before, of each node only the mark of its first frame counts, if that is sent.
         """
         start: list[LogFrame] = []
-        iterator, due = iter(recorded), _LEARNED_FROM
+        iterator = iter(recorded)
         marks: _Marks = {}
         for frame in itertools.islice(iterator, LOOKED_AHEAD):
             start.append(frame)
             count = len(marks)
-            if self._completes_marks(frame, marks) or len(start) == due:
+            is_complete = self._completes_marks(frame, marks)
+            if len(start) in _LEARNED_AT:
                 self._behave(self.learn(start))
-            due *= 4 if len(start) == due else 1
             learned = self.behaviours or {}
             known = learned.get(frame.bus, Behaviour())
-            if frame.mark is Mark.SENT and len(marks) > count and not known.is_marked:
-                self._behave({**learned, frame.bus: known._replace(is_marked=True)})
-                yield frame
+            is_first = frame.mark is Mark.SENT and len(marks) > count and not known.is_marked
+            if is_complete or is_first:
+                marked = known._replace(is_marked=True, unmarked=_unmarked(marks, frame.bus))
+                self._behave({**learned, frame.bus: marked})
+            yield frame
+            if is_first and not is_complete:
                 self._behave(learned)
-            else:
-                yield frame
         self._behave(self.learn(start))
         yield from iterator
 
@@ -378,12 +379,10 @@ class Directions:
         return best
 
     def _marked(self, start: Iterable[LogFrame]) -> dict[str, Behaviour]:
-        """The buses on which marks count, and the nodes to which nothing is sent, though each sent frame is for one node."""
+        """The buses on which marks count."""
         marks: _Marks = {}
         buses = {frame.bus for frame in start if self._completes_marks(frame, marks)}
-        to_all = {bus for (bus, node), own in marks.items() if node is None and Mark.SENT in own}
-        received = {place for place, own in marks.items() if Mark.SENT not in own and place[0] not in to_all}
-        return {bus: Behaviour(True, frozenset(node for of, node in received if of == bus)) for bus in buses}
+        return {bus: Behaviour(is_marked=True, unmarked=_unmarked(marks, bus)) for bus in buses}
 
     def _completes_marks(self, frame: LogFrame, marks: _Marks) -> bool:
         """Adds the mark of a frame to those of the nodes of its id; returns whether one now has both."""
@@ -699,6 +698,13 @@ class Directions:
         return edition is self._default or any(
             each is edition and where == bus for (where, _), each in (*self._editions.items(), *self._changed.items())
         )
+
+
+def _unmarked(marks: _Marks, bus: str) -> frozenset[int | None]:
+    """The nodes to which nothing is sent, though each sent frame is for one node."""
+    own = {node: of_node for (of, node), of_node in marks.items() if of == bus}
+    to_all = Mark.SENT in own.get(None, ())
+    return frozenset(node for node, of_node in own.items() if Mark.SENT not in of_node and not to_all)
 
 
 def _released(held: deque[PendingFrame | DirectedFrame]) -> Iterator[DirectedFrame]:
