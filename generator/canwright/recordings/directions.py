@@ -359,8 +359,11 @@ class Directions:
                 break
             known = certain
         for bus, own in learned.items():
+            repeated = None
             if len(own.copied) < len(Direction):
-                learned[bus] = own._replace(repeated_after=repeated_after(f for f in start if f.bus == bus))
+                repeated = repeated_after(f for f in start if f.bus == bus)
+            slowest = own.slowest if own.slowest and own.slowest > self._bus_window(own) else None
+            learned[bus] = own._replace(repeated_after=repeated, slowest=slowest)
         return learned
 
     def _observed(self, start: Sequence[LogFrame], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
@@ -578,14 +581,18 @@ class Directions:
         return _directed(arrived, Direction.REQUEST, decided_by, own.request.node, own.request.message)
 
     def _open(self, exchange: _Exchange) -> None:
-        """Opens an exchange; it replaces earlier ones of the command, unless they wait for an echo of other bytes."""
+        """Opens an exchange; it replaces earlier ones of the command, unless they wait for an echo of other bytes, or a reply
+        could not come so soon: then a host asks again without waiting, and both are answered.
+        """
         bus, own, frame = exchange.request.bus, exchange.rule.frame_class, exchange.request.recorded.frame
         before = bus.open.get(exchange.channel)
         if before:
             replaced = [
                 earlier
                 for earlier in before
-                if earlier.rule.frame_class is own and (not own.is_echoed or earlier.request.recorded.frame == frame)
+                if earlier.rule.frame_class is own
+                and (not own.is_echoed or earlier.request.recorded.frame == frame)
+                and not self._is_further(exchange, earlier)
             ]
             for earlier in replaced:
                 self._decide_pending(earlier)
@@ -596,6 +603,12 @@ class Directions:
         else:
             bus.open[exchange.channel] = [exchange]
         bus.until = max(bus.until, exchange.until)
+
+    @staticmethod
+    def _is_further(exchange: _Exchange, earlier: _Exchange) -> bool:
+        """Whether a request follows another one so soon that it does not repeat it."""
+        pause = exchange.request.clock - earlier.request.clock
+        return earlier.rule.is_distinct and not earlier.waiting and pause < earlier.rule.within // 2
 
     def _reply(self, arrived: PendingFrame, decided_by: DecidedBy, answered: _Answered | None) -> DirectedFrame:
         own, recorded = arrived.known.rule.frame_class, arrived.recorded
