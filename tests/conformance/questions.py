@@ -20,7 +20,7 @@ from canwright.model.types import NO_PARAMETERS, Encoding, Parameter
 from canwright.resolve.number_parameters import number
 from canwright.semantics.decoder import linear_of
 from canwright.semantics.encoder import Encoder, Encoders
-from canwright.semantics.frame import with_checksum
+from canwright.semantics.frame import required_raw, with_checksum
 from canwright.semantics.plan import message_plan
 
 from ..float_rule import float_of
@@ -168,7 +168,7 @@ class Questions:
             keys[0] = (keys[0][0], (*message.accepted_codes, *message.identifying_codes))
         id_, word = frame.id, int.from_bytes(frame.data, "little")
         if noise:
-            constants = (f for f in message.layout.fields if f.space is Space.DATA and f.role.required_raw is not None)
+            constants = (f for f in message.layout.fields if f.space is Space.DATA and required_raw(f) is not None)
             fixed = sum(1 << bit for f in constants for e in f.elements for bit in e.bits)
             word |= self._chance.getrandbits(8 * len(frame.data) or 1) & ~fixed
         for key, values in keys:

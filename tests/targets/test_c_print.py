@@ -17,6 +17,7 @@ from canwright.model.types import Encoding
 from canwright.project.loader import load
 from canwright.semantics.decoder import Decoded, Decoder, Rejection
 from canwright.semantics.encoder import Encoder
+from canwright.semantics.frame import required_raw
 from canwright.targets.base import EditionInput
 from canwright.targets.c.target import CTarget
 
@@ -169,7 +170,7 @@ def test_filters_compare_every_bit_that_is_the_same_in_all_ids(made: Made) -> No
             free = [
                 s.low + bit
                 for f in message.layout.fields
-                if f.role.required_raw is None
+                if required_raw(f) is None
                 for e in f.elements
                 for s in e.segments
                 for bit in range(s.width)

@@ -26,6 +26,7 @@ from canwright.model.layout import Segment, Space
 from canwright.model.message import Command, Direction, Key, KeyRole, Message
 from canwright.model.refusal import Refusal
 from canwright.model.types import Encoding, Parameter
+from canwright.semantics.frame import required_raw
 from canwright.targets.base import EditionInput
 from canwright.targets.python.target import RUNTIME, PythonTarget
 from canwright.targets.python.text import attribute, class_name
@@ -246,8 +247,8 @@ def meaning(message: Any) -> Meaning:
 def _constants(message: Message) -> Iterator[tuple[str, Any]]:
     """The constants of a message with their values: numbers without a unit. That of a float is given by its bits."""
     yield from ((attribute(k.name), (k.value, "")) for k in message.keys if k.role is KeyRole.CONSTANT)
-    for constant in (f for f in message.layout.fields if f.role.required_raw is not None):
-        raw, type_ = constant.role.required_raw or 0, constant.type
+    for constant in (f for f in message.layout.fields if required_raw(f) is not None):
+        raw, type_ = required_raw(constant) or 0, constant.type
         value = _float(raw, type_.width) if type_.encoding is Encoding.FLOAT else raw
         yield attribute(constant.name), (value, "")
 
@@ -559,10 +560,10 @@ class _Run:
             now = self.new_commands.get(self.now[command.name] or "")
             if now is None or now.request is None or class_name(now.request.name) not in self.changed:
                 continue
-            demanded = [f for f in now.request.layout.fields if f.role.required_raw is not None and not f.is_array]
+            demanded = [f for f in now.request.layout.fields if required_raw(f) is not None and not f.is_array]
             counts[command.name] = counts.get(command.name, 0) + 1
             if demanded and counts[command.name] <= VECTORS:
-                parts = [(f.space, f.elements[0].segments, f.role.required_raw or 0) for f in demanded]
+                parts = [(f.space, f.elements[0].segments, required_raw(f) or 0) for f in demanded]
                 yield from self._changed_to(command, message, known, frame, placed(frame, parts))
 
     def _limit(self, command: Command) -> int:

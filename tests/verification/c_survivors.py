@@ -31,6 +31,7 @@ from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified, Rejection
 from canwright.semantics.encoder import Encoder
 from canwright.semantics.frame import node_of, with_checksum
+from canwright.semantics.plan import message_plan
 from canwright.targets.base import EditionInput
 from canwright.targets.c.names import layouts
 from canwright.targets.c.package import RUNTIME
@@ -375,9 +376,9 @@ def ask_unchecked(edition: Edition, adapter: CAdapter) -> None:
         fields = [field for field in variant.fields if field.is_given]
         for width in (0, 64, *[1] * UNCHECKED) if fields else ():
             raws: dict[str, list[int]] = {f.name: [_any_raw(f, width, chance) for _ in f.elements] for f in fields}
-            bits = dict.fromkeys(Space, 0)
+            bits, sent = dict.fromkeys(Space, 0), message_plan(edition.of_layout(layout)[0]).sent
             for field in variant.fields:
-                each = raws.get(field.name, [field.role.sent_raw or 0] * len(field.elements))
+                each = raws.get(field.name, [sent.get(field, 0)] * len(field.elements))
                 for raw, element in zip(each, field.elements, strict=True):
                     for s in element.segments:
                         bits[field.space] |= (raw >> s.raw_low & (1 << s.width) - 1) << s.low + 8 * s.byte

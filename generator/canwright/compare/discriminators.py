@@ -12,7 +12,7 @@ from ..model.layout import Field
 from ..model.message import Command, Key, KeyRole, Message
 from .change import Item, Keyword, Side
 from .collector import BOTH_SIDES, Attribute, Subject, given, listed
-from .fields import Editions, place_of
+from .fields import Editions, place_of, what_is_sent
 from .forms import constants, messages
 from .match import by_name
 
@@ -34,11 +34,7 @@ def index(command: Command) -> str:
 
 
 _OF_CONSTANT = (
-    Attribute[Field](
-        "constant-changed",
-        "constant",
-        lambda f: formatting.fixed(f.role) or Keyword("any value") if f.role.sent_raw is None else str(f.role.sent_raw),
-    ),
+    Attribute[Field]("constant-changed", "constant", lambda f: what_is_sent(f.role)),
     Attribute[Field]("field-moved", "at", place_of),
     Attribute[Field]("byte-order-changed", "byte_order", lambda f: Keyword(f.type.order.value)),
 )

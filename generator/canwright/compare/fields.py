@@ -118,24 +118,18 @@ def _field(field: Subject, both: Editions, old: Field, new: Field) -> None:
     if _moved(old, new):
         field.at("at").add("field-moved", name=new.name, old=place_of(old), new=place_of(new))
     field.attributes(_OF_FIELD, old, new, name=new.name)
-    fixed = [(formatting.fixed(f.role), f.role.required_raw) for f in (old, new)]
-    if old.role != new.role and any(isinstance(f.role, ChecksumRole) for f in (old, new)):
-        before, after = ((*f.path, f.role.key or ChecksumRole.key) for f in (old, new))
-        checksum = field.within(before, after)
-        checksum.add("checksum-changed", name=new.name, old=_constant(old.role), new=_constant(new.role))
-    elif fixed[0] != fixed[1]:
-        before, after = ((*f.path, f.role.key) for f in (old, new))
-        constant = field.within(before, after)
-        constant.add("constant-changed", name=new.name, old=_constant(old.role), new=_constant(new.role))
-    counters = [f.role if isinstance(f.role, CounterRole) else None for f in (old, new)]
-    if counters[0] != counters[1]:
+    if match.fixed(old) != match.fixed(new):
+        change = "checksum-changed" if old.checksum or new.checksum else "constant-changed"
+        sent = field.within(*((*f.path, f.role.key) for f in (old, new)))
+        sent.add(change, name=new.name, old=what_is_sent(old.role), new=what_is_sent(new.role))
+    if old.counter != new.counter:
         counter = field.within(*((*f.path, CounterRole.key) for f in (old, new)))
-        counter.add("counter-changed", name=new.name, old=_counter(counters[0]), new=_counter(counters[1]))
+        counter.add("counter-changed", name=new.name, old=_counter(old.counter), new=_counter(new.counter))
     field.deprecation(new.name, old.deprecated, new.deprecated)
     if (old.title, new.title) != (old.type.title, new.type.title):
         field.title(new.name, old.title, new.title)
     field.text("text-changed", "about", new.name, old.about, new.about)
-    if isinstance(old.role, ReservedRole) is isinstance(new.role, ReservedRole):  # reserved bits have no meaning
+    if match.has_meaning(old) is match.has_meaning(new):
         _type(field, both, old, new)
 
 
@@ -143,7 +137,8 @@ def _counter(role: CounterRole | None) -> SentenceArgument:
     return (Keyword("a counter"), f" {role.first}..{role.last}") if role else Keyword("a value")
 
 
-def _constant(role: Role) -> SentenceArgument:
+def what_is_sent(role: Role) -> SentenceArgument:
+    """What a field contains because of its role."""
     match role:
         case GivenRole():
             return Keyword("any value")

@@ -7,9 +7,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
-from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import ChecksumRole, Field, Layout
+from ..model.layout import Field, Layout, ReservedRole, Role
 from ..model.message import Command, Message
 from ..model.types import ImpliedTitle, Member, Text, Type
 
@@ -256,9 +255,17 @@ def content(layout: Layout, without: Collection[str] = ()) -> object:
 
 
 def _bits_and_meaning(field: Field) -> tuple[object, ...]:
-    role = field.role
-    fixed = (formatting.fixed(role), role.required_raw, role if isinstance(role, ChecksumRole) else None)
-    return field.space, field.elements, field.only, fixed, _meaning(field.type)
+    return field.space, field.elements, field.only, fixed(field), _meaning(field.type)
+
+
+def fixed(field: Field) -> Role | None:
+    """What is sent in a field, and required, that users do not give; None for a value."""
+    return None if field.is_given else field.role
+
+
+def has_meaning(field: Field) -> bool:
+    """Whether a receiver does anything with the bits of a field."""
+    return not isinstance(field.role, ReservedRole)
 
 
 def _meaning(type_: Type) -> tuple[object, ...]:

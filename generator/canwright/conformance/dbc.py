@@ -14,14 +14,15 @@ from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 from ..model import formatting
-from ..model.layout import ReservedRole, Space
+from ..model.layout import Space
 from ..model.message import Direction, Message
 from ..model.refusal import Refusal
 from ..model.types import NO_PARAMETERS, Assignment
 from ..semantics.configured import configured
 from ..semantics.decoder import Decoder, Identified
 from ..semantics.dispatch import dispatch_plan
-from ..semantics.frame import has_id, is_message, raw_of, wrong_constants
+from ..semantics.frame import has_id, is_message, wrong_constants
+from ..semantics.plan import message_plan
 from ..targets.base import EditionInput
 from ..targets.dbc.files import files
 from ..targets.dbc.frames import frames, obstacle
@@ -166,8 +167,8 @@ class DbcAdapter(Adapter):
 
     def _reserved_in_id(self, message: Message, frame: CanFrame) -> bool:
         """Whether reserved bits in the id are not those that are sent."""
-        reserved = (f for f in self._fixed_in_id[message] if isinstance(f.role, ReservedRole))
-        return any(raw_of(f, frame) != f.role.sent_raw for f in reserved)
+        reserved = message_plan(message).reserved_in_id
+        return frame.id & reserved.mask != reserved.value
 
     def encode_raw(
         self,

@@ -13,15 +13,16 @@ from cantools.database import Database, DecodeError, EncodeError
 from cantools.database.can import Message as CanMessage, Signal
 
 from ..model.edition import Edition
-from ..model.layout import ChecksumRole, Field, Space
+from ..model.layout import Field, Space
 from ..model.message import Command, Direction, Message
 from ..model.refusal import Refusal
-from ..model.types import Encoding, number_of
 from ..semantics.decoder import rejects_checked
+from ..semantics.encoder import Encoder
 from ..semantics.frame import has_id
+from ..semantics.plan import message_plan
 from ..targets.dbc.text import fitting
-from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, joined_value
-from .dbc_fields import Data, Number, cell_of_selector, cells, float_of, values_of
+from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, assignment, joined_value
+from .dbc_fields import Data, Number, cell_of_selector, cells, values_of
 
 KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
 LETTER = {Direction.REQUEST: "c", Direction.REPLY: "r"}
@@ -125,13 +126,14 @@ class DbcFile:
     ) -> Decoded:
         raw, values = {}, {}
         prefix = _prefix(message, numbers[selector.name] if selector else None)
+        plan = message_plan(message)
+        if plan.checksum and rejects_checked(message, frame, {}):
+            raise Cannot("checksums")
         for field in message.layout.fields:
             places = cells(can_message, prefix, field) or (cell_of_selector(selector, field) if selector else [])
-            if isinstance(field.role, ChecksumRole) and rejects_checked(message, frame, {}):
-                raise Cannot("checksums")
             if places:
                 read = [place.raw(numbers) for place in places]
-                if field.role.required_raw is not None and read != [field.role.required_raw] * len(read):
+                if field in plan.required and {*read} != {plan.required[field]}:
                     raise Cannot("constants")
                 if field.is_given:
                     raw[field.name] = read if field.is_array else read[0]
@@ -210,10 +212,11 @@ class DbcFile:
         data: Data = {selector.name: code} if selector and code is not None else {}
         prefix = _prefix(message, code)
         data |= {signal.name: 0 for signal in can_message.signals if signal.name == f"{prefix}reserved"}
+        plan = message_plan(message)
         for field in message.layout.fields:
             if field.type.joined and scaled:
                 raise Cannot("joined")
-            sent = [field.role.sent_raw or 0] * len(field.elements)
+            sent = [plan.sent.get(field, 0)] * len(field.elements)
             value = given.get(field.name) if field.is_given else sent
             parts: Sequence[Any] = value if isinstance(value, list) and not field.type.flags else [value]
             for place, part in zip(cells(can_message, prefix, field), parts, strict=False):
@@ -222,7 +225,7 @@ class DbcFile:
                 if refused:
                     return refused
         checked = _checked(message, can_message, prefix, data, scaled, parameters)
-        if isinstance(checked, Encoded) and any(isinstance(f.role, ChecksumRole) for f in message.layout.fields):
+        if isinstance(checked, Encoded) and plan.checksum:
             raise Cannot("checksums")
         return checked
 
@@ -297,20 +300,10 @@ def _refuse_all_unchecked(
 
 def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: Parameters) -> None:
     """Raises Cannot for a raw integer that the spec forbids and an encoder with a DBC takes."""
-    named = [member.value for member in field.type.enum]
-    bits = sum(1 << flag.value for flag in field.type.flags)
-    if (named and raw not in named) or (bits and raw & ~bits):
-        raise Cannot("unnamed")
-    assignment = {n: value if isinstance(value, Fraction) else str(value) for n, value in parameters.items()}
-    span, linear = field.type.raw_range.at(assignment), field.type.linear.at(assignment)
-    if direction is Direction.REPLY and span and not field.type.no_value(raw):
-        number = Fraction(raw)
-        if field.type.encoding is Encoding.FLOAT and linear:
-            number = Fraction(float_of(field.type.width, raw)) * linear.scale + linear.offset
-        known = ((name, number_of(assignment, name)) for name in assignment)
-        numbers = {name: number for name, number in known if number is not None}
-        low, high = span.low.at(numbers), span.high.at(numbers)
-        if (low is not None and number < low) or (high is not None and number > high):
+    if Encoder(assignment(parameters)).rejects_raw(field, raw):
+        if field.type.enum or field.type.flags:
+            raise Cannot("unnamed")
+        if direction is Direction.REPLY:
             raise Cannot("reply_limits")
 
 

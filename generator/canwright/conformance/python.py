@@ -6,17 +6,20 @@ import math
 from collections.abc import Mapping, Sequence
 from enum import IntEnum, IntFlag
 from fractions import Fraction
+from functools import reduce
+from operator import or_
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
 from ..model.edition import Edition
 from ..model.joined import JoinedText
-from ..model.layout import Field, ReservedRole, Space
+from ..model.layout import Field
 from ..model.message import Direction
 from ..model.refusal import Refusal
 from ..model.types import NO_PARAMETERS
 from ..semantics.decoder import Decoder, Rejection
+from ..semantics.plan import message_plan
 from ..targets.base import EditionInput
 from ..targets.python.target import PythonTarget
 from ..targets.python.text import attribute, class_name
@@ -115,8 +118,7 @@ class PythonAdapter(Adapter):
     def _reserved(self, message: Any, direction: Direction) -> int:
         """The bits of the id that a reader ignores."""
         ours = [m for m in self.edition.messages(direction) if m.command == message.COMMAND]
-        ignored = [f for m in ours for f in m.layout.fields if f.space is Space.ID and isinstance(f.role, ReservedRole)]
-        return sum(1 << bit for f in ignored for element in f.elements for bit in element.bits)
+        return reduce(or_, (message_plan(m).reserved_in_id.mask for m in ours), 0)
 
     def _check_names(self, message: Any) -> None:
         """The names beside values are those of the spec."""

@@ -8,14 +8,9 @@ from fractions import Fraction
 from typing import NamedTuple, Protocol
 
 from .checksum import Arithmetic, ConstantBytes, DataBytes, Input
-from .exhaustive import assert_never
 from .layout import (
     ChecksumRole,
     Field,
-    FixedRole,
-    GivenRole,
-    ParameterRole,
-    Role,
     Segment,
     Space,
     is_one_run,
@@ -435,16 +430,3 @@ def _multiple_in_id(name: str, step: int, *, is_alone: bool) -> str:
         return name
     shift = f"{name} << {step.bit_length() - 1}"
     return f"{name} * {step}" if step.bit_count() > 1 else shift if is_alone else f"({shift})"
-
-
-def fixed(role: Role) -> str:
-    """The raw integer that every sender writes, or the parameter that is it; empty for what differs from frame to frame."""
-    match role:
-        case FixedRole():
-            return constant(role.raw)
-        case ParameterRole():
-            return role.parameter
-        case GivenRole() | ChecksumRole():
-            return ""
-        case _:
-            assert_never(role)

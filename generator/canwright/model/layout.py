@@ -88,32 +88,15 @@ class Element:
 
 @dataclass(frozen=True)
 class FieldRole(ABC):
-    """The role of a field: what is sent, what is checked, and whether a user sees the field.
-
-    Each role states these facts; nothing decides by the absence of one.
-    """
+    """The role of a field: what is sent, what is checked, and whether a user sees the field."""
 
     key: ClassVar[str]
     """The key of the language that selects the role; empty for a value."""
-    is_checked: ClassVar[bool]
-    """Whether the receiver rejects a frame because of this role."""
-
-    @property
-    def sent_raw(self) -> int | None:
-        """The raw integer that every sender writes; None if it differs from frame to frame."""
-        return None
-
-    @property
-    def required_raw(self) -> int | None:
-        """The only raw integer that a receiver accepts; None if it accepts more."""
-        return None
 
 
 @dataclass(frozen=True)
 class GivenRole(FieldRole):
     """Messages have the field as a value, which users give to an encoder and get from a decoder."""
-
-    is_checked = False
 
 
 @dataclass(frozen=True)
@@ -145,21 +128,12 @@ class FixedRole(FieldRole):
 
     raw: int
 
-    @property
-    def sent_raw(self) -> int:
-        return self.raw
-
 
 @dataclass(frozen=True)
 class ConstantRole(FixedRole):
     """A receiver rejects any other raw integer."""
 
     key = "constant"
-    is_checked = True
-
-    @property
-    def required_raw(self) -> int:
-        return self.raw
 
 
 @dataclass(frozen=True)
@@ -167,7 +141,6 @@ class ParameterRole(FieldRole):
     """The raw integer is the value of a parameter; a receiver that knows the parameter rejects any other."""
 
     key = "constant"
-    is_checked = False
     parameter: str
 
 
@@ -176,7 +149,6 @@ class ReservedRole(FixedRole):
     """A receiver ignores the field."""
 
     key = "reserved"
-    is_checked = False
 
 
 @dataclass(frozen=True)
@@ -184,7 +156,6 @@ class ChecksumRole(FieldRole):
     """The sender computes the field from other bytes of the frame, and a receiver rejects any other raw integer."""
 
     key = "checksum"
-    is_checked = True
     name: str
     """The name of the algorithm; empty if the spec states its parameters."""
     algorithm: Algorithm
@@ -238,6 +209,16 @@ class Field:
     def is_node(self) -> bool:
         """Whether the value is the node that receives or sends the frame, or the low bits of its number."""
         return isinstance(self.role, NodeRole)
+
+    @property
+    def counter(self) -> CounterRole | None:
+        """The range of a counter; None for another field."""
+        return self.role if isinstance(self.role, CounterRole) else None
+
+    @property
+    def checksum(self) -> ChecksumRole | None:
+        """What a checksum is computed from, and how; None for another field."""
+        return self.role if isinstance(self.role, ChecksumRole) else None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

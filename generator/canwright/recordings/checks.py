@@ -8,11 +8,11 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from ..model import formatting
-from ..model.layout import ChecksumRole, Field, ReservedRole, Space
-from ..model.types import Assignment, ByParameter, Encoding
+from ..model.layout import Field, Space
+from ..model.types import Assignment, ByParameter, Encoding, Type
 from ..semantics.decoder import value_of
 from ..semantics.encoder import Encoder
-from ..semantics.frame import Parts, parts_of, signed
+from ..semantics.frame import Parts, parts_of, required_raw, signed
 from ..semantics.valid_raws import RawInterval, valid_raws
 
 WEAK = 1
@@ -50,17 +50,17 @@ def reserved_check(at: int, mask: int, where: str) -> Check:
 
 def field_checks(field: Field, where: str, *, is_request: bool) -> Iterator[Check]:
     """The checks that elements of a field have a constant, a name, or a value within its range."""
-    is_checked = field.role.required_raw is not None or field.type.plausible or not field.type.accepts_every_raw
-    if is_checked and not isinstance(field.role, (ReservedRole, ChecksumRole)):
-        reason = _reason(field, f"{where}: `{field.name}`", STRONG if is_request else UNNAMED)
+    type_, required = field.type, required_raw(field)
+    if required is not None or (field.is_given and (type_.plausible or not type_.accepts_every_raw)):
+        steps = _steps(type_) if required is None else None
+        reason = _reason(field, required, f"{where}: `{field.name}`", STRONG if is_request else UNNAMED)
         for element in field.elements:
-            yield Check(field.space is Space.ID, parts_of(element.segments), _steps(field), reason)
+            yield Check(field.space is Space.ID, parts_of(element.segments), steps, reason)
 
 
-def _reason(field: Field, named: str, unnamed: int) -> Callable[[int], Reason | None]:
+def _reason(field: Field, required: int | None, named: str, unnamed: int) -> Callable[[int], Reason | None]:
     """The reason against the bits of a field; a value without a name has the points `unnamed`."""
     type_ = field.type
-    required = field.role.required_raw
     if required is not None:
         wrong = Reason(STRONG, f"{named} is not {required}")
         return lambda bits: None if signed(type_, bits) == required else wrong
@@ -82,10 +82,9 @@ def _reason(field: Field, named: str, unnamed: int) -> Callable[[int], Reason | 
     return reason
 
 
-def _steps(field: Field) -> Sequence[int] | None:
+def _steps(type_: Type) -> Sequence[int] | None:
     """The numbers at which a limit of an integer begins or ends; None if other results depend on its bits."""
-    type_ = field.type
-    if field.role.required_raw is not None or type_.enum or type_.flags or type_.encoding is Encoding.FLOAT:
+    if type_.enum or type_.flags or type_.encoding is Encoding.FLOAT:
         return None
     valid = [case for _, case in valid_raws(type_).distinct() if isinstance(case, RawInterval)]
     bounds = [Fraction(end) for case in valid for end in (case.low, case.high)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import ChecksumRole, Field
+from ..model.layout import Field
 from ..model.message import Direction, Message
 from ..model.types import Assignment, Type
 from ..semantics.decoder import Rejection, rejects_checked
@@ -76,7 +76,7 @@ def _meaning(form: MessageForm, frame: CanFrame, assignment: Assignment, only: O
     parameter = None if variant else message.layout.parameter
     varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.is_given]
     meanings = [meaning for f, limits in varying for meaning in _fields(f, frame, assignment, only, limits)]
-    meanings += [_checksum(field, frame) for field in fields if isinstance(field.role, ChecksumRole)]
+    meanings += [_checksum(field, frame) for field in fields if field.checksum]
     unusual = [*_reserved(form, frame)]
     for field, limits in varying:
         unusual += _unusual(field, frame, assignment, {**only, **limits})

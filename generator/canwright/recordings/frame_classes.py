@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import functools
 import operator
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
 from ..model.edition import Edition
-from ..model.layout import Field, Space
+from ..model.layout import Space
 from ..model.message import Command, Direction, IdRule, Message
 from ..model.types import Type
-from ..semantics.bits import data_bits, placed
+from ..semantics.bits import data_bits
 from ..semantics.candidates import Candidates
 from ..semantics.decoder import Decoder, Identified, Rejection, rejects_checked
 from ..semantics.exchange import check_reply, exchange_plans
@@ -269,7 +269,7 @@ class FrameClasses:
         self.edition = edition
         self._decoder = Decoder(edition)
         self._with_checks = frozenset(
-            m for m in edition.all_messages() if any(f.role.is_checked for f in m.layout.fields)
+            m for m in edition.all_messages() if message_plan(m).required or message_plan(m).checksum
         )
         rules = dict.fromkeys(reply.id for reply in edition.messages(Direction.REPLY))
         self._rules = {rule: number for number, rule in enumerate(rules)}
@@ -347,24 +347,16 @@ def _answer(decoder: Decoder, request: CanFrame, reply: CanFrame) -> Identified 
 def form_of(message: Message, frame: CanFrame) -> MessageForm:
     """A message that a frame can be by its id, its length and its keys."""
     always = [f for f in message.layout.fields if not f.only]
-    constant = [f for f in always if f.role.required_raw is not None]
-    in_id = [f for f in constant if f.space is Space.ID]
+    plan = message_plan(message)
+    in_id = [f for f in plan.required if f.space is Space.ID and not f.only]
     limited = [(f, _allows(f.type)) for f in always if f.is_given and f.space is Space.DATA]
-    reserved = message_plan(message).reserved
     return MessageForm(
         message=message,
         node=node_of(message, frame),
-        constants=None if wrong_constants(in_id, frame) else _bits(constant),
-        reserved=MaskedBits(0, 0) if frame.remote else reserved,
+        constants=None if wrong_constants(in_id, frame) else plan.constants,
+        reserved=MaskedBits(0, 0) if frame.remote else plan.reserved,
         limits=tuple(Limit(parts_of(e.segments), allows) for f, allows in limited if allows for e in f.elements),
     )
-
-
-def _bits(fields: Iterable[Field]) -> MaskedBits:
-    """The data bits of constants."""
-    elements = [(f, e.segments) for f in fields if f.space is Space.DATA for e in f.elements]
-    mask = data_bits((Space.DATA, segments) for _, segments in elements)
-    return MaskedBits(mask, sum(placed(segments, field.role.sent_raw or 0) for field, segments in elements))
 
 
 def _allows(type_: Type) -> Callable[[Any], Any] | None:

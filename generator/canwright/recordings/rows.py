@@ -167,12 +167,10 @@ class RowReader:
             limits=tuple(
                 (at, limit)
                 for at, (field, _, _) in enumerate(listed)
-                if not isinstance(field.role, CounterRole)  # the summary of its gaps counts its values
+                if not field.counter  # the summary of its gaps counts its values
                 for limit in _limits(field, assignment)
             ),
-            counters=tuple(
-                (at, role) for at, (field, _, _) in enumerate(listed) if isinstance(role := field.role, CounterRole)
-            ),
+            counters=tuple((at, field.counter) for at, (field, _, _) in enumerate(listed) if field.counter),
         )
         return form
 

@@ -18,6 +18,7 @@ from ..model.message import Direction, IdRule, Message
 from ..semantics.bits import data_bits
 from ..semantics.candidates import Candidates
 from ..semantics.frame import CanFrame, bits_at, has_id, read_bits
+from ..semantics.plan import message_plan
 from .checks import STRONG, WEAK, Check, Reason, field_checks, reserved_check
 from .probes import Probes
 
@@ -153,7 +154,7 @@ class ScoredClasses:
             for message in messages
             if first == slice(0, 0)
             or not message.keys
-            or read_bits(message.keys[0], frame) in (*message.accepted_codes, *message.identifying_codes)
+            or read_bits(message.keys[0], frame) in message_plan(message).keys[0].values
         ]
         nodes = (message.node_bits for message in messages if message.id.nodes is None)
         runs = [*(key for message in having for key in message.keys), *(bits for bits in nodes if bits)]

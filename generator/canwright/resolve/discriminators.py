@@ -11,9 +11,10 @@ from itertools import combinations
 from ..model.layout import Field, Layout, Segment, Space, Variant, bits_of
 from ..model.message import Command, Confusion, Direction, Key, KeyRole, Message
 from ..semantics.confusion import confusions
+from ..semantics.frame import required_raw
 
 FieldBits = tuple[Space, tuple[Segment, ...]]
-Constants = dict[FieldBits, Field]
+Constants = dict[FieldBits, Key]
 Deciding = dict[str, frozenset[str]]
 """Message to the names of the constants that identify it."""
 
@@ -40,12 +41,9 @@ def keyed_by_constants(commands: Sequence[Command]) -> tuple[Command, ...]:
                 subsets = (frozenset(c) for size in range(len(selected) + 1) for c in combinations(selected, size))
                 competing = (keys for keys in subsets if keys != selected or keys not in by_length)
                 competitors = [constants for keys in competing for constants in constants_of.get(keys, ())]
-                names = (
-                    f.name
-                    for at, f in own.items()
-                    if any(_fixed_value(o.get(at)) != f.role.sent_raw for o in competitors)
+                deciding[message.name] = frozenset(
+                    key.name for at, key in own.items() if any(_value(o.get(at)) != key.value for o in competitors)
                 )
-                deciding[message.name] = frozenset(names)
     for command in commands:
         if command.is_echoed and command.request and command.reply:
             both = deciding.get(command.request.name, frozenset()) | deciding.get(command.reply.name, frozenset())
@@ -92,20 +90,21 @@ def _separate_constants(message: Message) -> Constants:
     uses = Counter((key.space, bit) for key in message.keys for bit in bits_of(key.segments))
     uses.update((f.space, bit) for f in message.layout.fields for e in f.elements for bit in e.bits)
     return {
-        place: field
-        for place, field in constants.items()
-        if all(uses[field.space, bit] == 1 for bit in field.elements[0].bits)
+        place: key
+        for place, key in constants.items()
+        if all(uses[key.space, bit] == 1 for bit in bits_of(key.segments))
     }
 
 
 def _constants(message: Message) -> Constants:
-    """The constants that exist for all parameters, by bits."""
-    fields = (f for f in message.layout.fields if f.role.required_raw is not None and not f.only and not f.is_array)
-    return {(field.space, field.elements[0].segments): field for field in fields}
+    """The constants that exist for all parameters as keys, by bits."""
+    fields = ((f, required_raw(f)) for f in message.layout.fields if not f.only and not f.is_array)
+    keys = (_key(field, raw) for field, raw in fields if raw is not None)
+    return {(key.space, key.segments): key for key in keys}
 
 
-def _fixed_value(field: Field | None) -> int | None:
-    return field.role.sent_raw if field else None
+def _value(key: Key | None) -> int | None:
+    return key.value if key else None
 
 
 def _keyed(message: Message, deciding: Deciding, known: dict[tuple[Layout, frozenset[str]], Layout]) -> Message:
@@ -113,12 +112,12 @@ def _keyed(message: Message, deciding: Deciding, known: dict[tuple[Layout, froze
     names = deciding.get(message.name)
     if not names:
         return message
-    keys = tuple(_key(f) for f in message.layout.fields if f.name in names)
+    keys = tuple(key for key in _constants(message).values() if key.name in names)
     layout = known.setdefault((message.layout, names), _without(message.layout, names))
     return dataclasses.replace(message, keys=(*message.keys, *keys), layout=layout)
 
 
-def _key(field: Field) -> Key:
+def _key(field: Field, raw: int) -> Key:
     width = field.type.width
     return Key(
         name=field.name,
@@ -127,7 +126,7 @@ def _key(field: Field) -> Key:
         order=field.type.order,
         width=width,
         segments=field.elements[0].segments,
-        value=(field.role.sent_raw or 0) & ((1 << width) - 1),
+        value=raw & ((1 << width) - 1),
         path=field.path,
     )
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.layout import FixedRole, ReservedRole
 from ..model.types import Encoding, Range, Type
+from ..semantics.plan import message_plan
 from .rule import CheckInput, Finding, Findings
 
 
@@ -81,13 +81,10 @@ def _plausible(edition: Edition) -> Findings:
 
 
 def _constants(edition: Edition) -> Findings:
-    fields = {f.path: f for m in edition.all_messages() for f in m.layout.fields}
-    for field in fields.values():
-        if not isinstance(field.role, FixedRole):
-            continue
-        raw = field.role.raw
+    fields = {f.path: (f, raw) for m in edition.all_messages() for f, raw in message_plan(m).sent.items()}
+    for field, raw in fields.values():
         low, high = field.type.raw_limits
-        what = "the reserved value" if isinstance(field.role, ReservedRole) else "the constant"
+        what = f"`{field.role.key}`"
         if not low <= raw <= high:
             text = f"{raw} is outside {low}..{high}, the limits of {formatting.counted(field.type.width, 'bit')}"
             yield Finding((*field.path, field.role.key), text, f"check {what}, and the sign and width of the field")

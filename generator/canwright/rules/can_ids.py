@@ -7,6 +7,7 @@ from math import gcd
 
 from ..model.layout import Space
 from ..model.message import IdRule, Message
+from ..semantics.plan import message_plan
 from .bit_patterns import Known
 
 ALL_BITS = (1 << 29) - 1
@@ -31,7 +32,8 @@ def of_message(message: Message) -> range:
 
 def free_bits(message: Message) -> int:
     """The bits of the id that fields fill with any value."""
-    fields = (f for f in message.layout.fields if f.space is Space.ID and f.role.required_raw is None)
+    required = message_plan(message).required
+    fields = (f for f in message.layout.fields if f.space is Space.ID and f not in required)
     segments = [s for f in fields for e in f.elements for s in e.segments]
     return sum(((1 << s.width) - 1) << s.low for s in segments)
 

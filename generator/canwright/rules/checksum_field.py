@@ -15,19 +15,18 @@ from .rule import CheckInput, Finding, Findings
 def check(subject: CheckInput) -> Findings:
     reported = set()
     for message in subject.edition.all_messages():
-        fields = [f for f in message.layout.fields if isinstance(f.role, ChecksumRole)]
-        for i, field in enumerate(fields):
-            problems = _problems(subject.edition, message, field)
-            first = (f"`{fields[0].name}` is already a checksum", "a frame has one") if i else next(problems, None)
+        fields = [(f, f.checksum) for f in message.layout.fields if f.checksum]
+        for i, (field, role) in enumerate(fields):
+            problems = _problems(subject.edition, message, field, role)
+            first = (f"`{fields[0][0].name}` is already a checksum", "a frame has one") if i else next(problems, None)
             if first is not None and field.path not in reported:
                 reported.add(field.path)
                 yield Finding((*field.path, ChecksumRole.key), *first, key=True)
 
 
-def _problems(edition: Edition, message: Message, field: Field) -> Iterator[tuple[str, str]]:
+def _problems(edition: Edition, message: Message, field: Field, role: ChecksumRole) -> Iterator[tuple[str, str]]:
     """What is wrong, and what to write."""
-    role, name, width = field.role, field.name, field.type.width
-    assert isinstance(role, ChecksumRole)
+    name, width = field.name, field.type.width
     if field.is_array or field.only or field.space is Space.ID:
         text = f"`{name}` cannot be a checksum: it is in the id, an array, or depends on a parameter"
         yield text, "use a number in the data that always exists"

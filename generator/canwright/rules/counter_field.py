@@ -10,7 +10,7 @@ from .rule import CheckInput, Finding, Findings
 def check(subject: CheckInput) -> Findings:
     fields = {field.path: field for message in subject.edition.all_messages() for field in message.layout.fields}
     for path, field in fields.items():
-        problem = _problem(field) if isinstance(field.role, CounterRole) else ""
+        problem = _problem(field) if field.counter else ""
         if problem:
             yield Finding((*path, CounterRole.key), f"`{field.name}` cannot be a counter: {problem}", HINT, key=True)
 

@@ -266,9 +266,7 @@ def _as_written(type_: Type, wanted: object, raw: object, value: object) -> obje
 def _no_field(name: str, fields: Mapping[str, Field], in_data: Mapping[str, Raw]) -> tuple[str, str]:
     """The text and hint for a name that is not a field with a value."""
     if name in fields:
-        raw = fields[name].role.sent_raw
-        what = "is a checksum" if raw is None else f"always is 0x{raw:X}"
-        text = f"`{name}` {what} in this spec: it is in `data` only"
+        text = f"`{name}` is `{fields[name].role.key}` in this spec: it is in `data` only"
         return text, f"remove it from this entry; the fields to list are {_listed(in_data)}"
     return f"there is no field `{name}`", nearest(name, in_data) or "remove it"
 

@@ -85,10 +85,8 @@ class ChecksumPlan:
 
 
 @lru_cache(maxsize=4096)
-def checksum_plan(message: Message, field: Field) -> ChecksumPlan:
+def checksum_plan(message: Message, field: Field, role: ChecksumRole) -> ChecksumPlan:
     """The plan of a checksum of a message; constants before all other bytes are part of its initial value."""
-    role = field.role
-    assert isinstance(role, ChecksumRole)
     of, own = role.algorithm, field.elements[0].segments
     width = of.width or field.type.width
     register = max(width, 8) if of.arithmetic is Arithmetic.CRC else width

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ..model import formatting
-from ..model.layout import Field, ParameterRole, Segment, Space, Variant
+from ..model.layout import ConstantRole, Field, ParameterRole, Segment, Space, Variant
 from ..model.message import BitRun, IdRule, Message
 from ..model.types import NO_PARAMETERS, Assignment, Encoding, Type, number_of
 from .bits import placed
@@ -109,7 +109,7 @@ def required_raw(field: Field, assignment: Assignment = NO_PARAMETERS) -> int | 
     """The only raw integer that a receiver accepts; None if it accepts more, or if a parameter is missing."""
     if isinstance(field.role, ParameterRole):
         return parameter_raw(field.role.parameter, assignment)
-    return field.role.required_raw
+    return field.role.raw if isinstance(field.role, ConstantRole) else None
 
 
 def wrong_constants(fields: Iterable[Field], frame: CanFrame, assignment: Assignment = NO_PARAMETERS) -> list[Field]:
@@ -142,12 +142,11 @@ def sent_id(message: Message, node: int | None, assignment: Assignment = NO_PARA
         return None
     id_ = rule.base + (node or 0) * rule.node_step
     id_ |= sum(placed(key.segments, key.value) for key in message.keys if key.space is Space.ID)
+    sent = message_plan(message).sent
     for field in message.layout.fields:
         if field.space is not Space.ID:
             continue
-        raw = node if field.is_node else field.role.sent_raw
-        if isinstance(field.role, ParameterRole):
-            raw = parameter_raw(field.role.parameter, assignment)
+        raw = node if field.is_node else sent.get(field, required_raw(field, assignment))
         if raw is None:
             return None
         id_ |= placed((s for element in field.elements for s in element.segments), raw)
@@ -187,8 +186,8 @@ def has_id_rule(message: Message, frame: CanFrame, assignment: Assignment = NO_P
 def sent_id_rule(message: Message) -> IdRule:
     """The id rule of a message as it is sent: with its keys, and with the fields in the id that always have the same value."""
     places = [(key.segments, key.value) for key in message.keys if key.space is Space.ID]
-    fields = ((f.elements[0].segments, f.role.sent_raw) for f in message.layout.fields if f.space is Space.ID)
-    places += [(segments, raw) for segments, raw in fields if raw is not None]
+    sent = message_plan(message).sent.items()
+    places += [(field.elements[0].segments, raw) for field, raw in sent if field.space is Space.ID]
     return replace(message.id, base=message.id.base | sum(placed(segments, raw) for segments, raw in places))
 
 

@@ -40,9 +40,10 @@ class CheckConstant:
 
 @dataclass(frozen=True)
 class CheckChecksum:
-    """Reject (wrong_checksum) if the field is not the checksum of the frame."""
+    """Reject (wrong_checksum) if the field is not the checksum of the frame, which the spec states as `role`."""
 
     field: Field
+    role: ChecksumRole
     checksum: ChecksumPlan
 
 
@@ -184,10 +185,18 @@ class AcceptedKey:
 
 @dataclass(frozen=True)
 class MaskedBits:
-    """Some bits of the data, read as one little-endian integer, and their value."""
+    """Some bits of the data, read as one little-endian integer, or of the id, and their value."""
 
     mask: int
     value: int
+
+    @classmethod
+    def of(cls, parts: Iterable[tuple[Sequence[Segment], int]]) -> MaskedBits:
+        """The bits of some segments, each with a raw integer."""
+        mask = value = 0
+        for segments, raw in parts:
+            mask, value = mask | placed(segments, -1), value | placed(segments, raw)
+        return cls(mask, value)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -218,6 +227,28 @@ class MessagePlan:
     def checksum(self) -> CheckChecksum | None:
         """The check of the checksum; None without one. A message has at most one."""
         return next((step for step in self.decoding if isinstance(step, CheckChecksum)), None)
+
+    @cached_property
+    def sent(self) -> Mapping[Field, int]:
+        """The fields that every sender writes with the same raw integer."""
+        return {s.field: s.raw for s in self.encoding if isinstance(s, WriteFixed) and s.field is not None}
+
+    @cached_property
+    def required(self) -> Mapping[Field, int]:
+        """The fields with the only raw integer that a receiver accepts."""
+        return {step.field: step.raw for step in self.decoding if isinstance(step, CheckConstant)}
+
+    @cached_property
+    def constants(self) -> MaskedBits:
+        """The data bits of the constants that always exist."""
+        always = {f: raw for f, raw in self.required.items() if f.space is Space.DATA and not f.only}
+        return MaskedBits.of((element.segments, raw) for field, raw in always.items() for element in field.elements)
+
+    @cached_property
+    def reserved_in_id(self) -> MaskedBits:
+        """The bits of the id that a sender always writes with the same value and a receiver ignores."""
+        ignored = {f: raw for f, raw in self.sent.items() if f.space is Space.ID and f not in self.required}
+        return MaskedBits.of((element.segments, raw) for field, raw in ignored.items() for element in field.elements)
 
     @cached_property
     def reserved(self) -> MaskedBits:
@@ -268,7 +299,7 @@ def _decoding(message: Message) -> Iterator[DecodingStep]:
     fields = message.layout.fields
     checks = [CheckConstant(field, field.role.raw) for field in fields if isinstance(field.role, ConstantRole)]
     yield from (check for check in checks if not check.field.only)
-    yield from (CheckChecksum(field, checksum_plan(message, field)) for field in _checksums(message))
+    yield from (CheckChecksum(field, role, checksum_plan(message, field, role)) for field, role in _checksums(message))
     yield from _choice(message)
     yield from (check for check in checks if check.field.only)
     yield from (CheckParameter(f, f.role.parameter) for f in fields if isinstance(f.role, ParameterRole))
@@ -301,12 +332,12 @@ def _encoding(message: Message) -> Iterator[EncodingStep]:
             case _:
                 assert_never(role)
     yield from map(WriteField, values)
-    yield from (WriteChecksum(field, checksum_plan(message, field)) for field in _checksums(message))
+    yield from (WriteChecksum(field, checksum_plan(message, field, role)) for field, role in _checksums(message))
     yield from map(CheckMeaning, message.confusions)
 
 
-def _checksums(message: Message) -> Iterable[Field]:
-    return (field for field in message.layout.fields if isinstance(field.role, ChecksumRole))
+def _checksums(message: Message) -> Iterable[tuple[Field, ChecksumRole]]:
+    return ((field, field.checksum) for field in message.layout.fields if field.checksum)
 
 
 def _choice(message: Message) -> Iterator[ChooseFields]:

@@ -14,7 +14,7 @@ from ...semantics.bits import data_bits, placed
 from ...semantics.decoder import Decoder, Identified, Rejection, subject_value
 from ...semantics.dispatch import DispatchNode, Select
 from ...semantics.encoder import Encoder
-from ...semantics.frame import CanFrame, Raw, read_bits
+from ...semantics.frame import CanFrame, Raw, read_bits, required_raw
 from ...semantics.valid_raws import end_of
 
 MAX_FRAMES = 64
@@ -27,7 +27,7 @@ MAX_MEMBERS = 256
 
 def raws(encoder: Encoder, field: Field, counterpart: Field) -> Iterator[int]:
     """Raw integers that a field can be sent with, ends of ranges and members in both editions among them."""
-    required = counterpart.role.required_raw
+    required = required_raw(counterpart)
     demanded = () if required is None else (required,)
     ends = _float_ends(encoder, field, counterpart)
     for raw in dict.fromkeys((*_raws(field.type, counterpart.type, encoder.assignment), *ends, *demanded)):

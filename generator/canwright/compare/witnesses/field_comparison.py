@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from ...model import formatting
-from ...model.layout import ChecksumRole, Field, ReservedRole, Space
+from ...model.exhaustive import assert_never
+from ...model.layout import ChecksumRole, ConstantRole, Field, GivenRole, ParameterRole, ReservedRole, Space
 from ...model.message import Direction, Message
 from ...model.types import Assignment, Encoding, Type
-from ...semantics.bits import data_bits, placed
 from ...semantics.decoder import Decoder, Identified, Value, field_value, is_finite, rejects_checked, value_of
 from ...semantics.encoder import Encoder
-from ...semantics.frame import CanFrame, Raw, difference, has_id_rule, raw_of, with_checksum, wrong_constants
+from ...semantics.frame import CanFrame, Raw, difference, differs, has_id_rule, raw_of, required_raw, with_checksum
+from ...semantics.plan import MaskedBits
 from ...semantics.valid_raws import end_of
 from .. import forms, match
 from ..change import Impact, Keyword, SentenceArgument, Side
@@ -24,6 +25,9 @@ from .assignments import Assignments
 from .candidates import Sender
 from .paths import MEMBER, RANGE, RAW, VALUE, Aspect, Paths, of_fields
 from .witness import Witness, sentence
+
+IGNORED = (ReservedRole, ParameterRole)
+"""The roles of fields that a receiver does not look at if it knows no parameters."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,28 +86,20 @@ class MessagePair:
         if sender.base is None or read is None:
             return
         sent_keys, read_keys = forms.constants(self.sent), forms.constants(self.read)
-        demanded = [
-            f for f in (*read.fields, *read_keys.values()) if f.role.required_raw is not None and not f.is_array
-        ]
+        constants = ((f, required_raw(f)) for f in (*read.fields, *read_keys.values()) if not f.is_array)
+        demanded = {field: raw for field, raw in constants if raw is not None}
         fields_of = FieldPair(self, demanded, assignment, sender)
         written = self.sent.layout.variant(encoder.assignment)
         every = {field.name: field for field in written.fields} if written else {}
         of = self._sources(every)
         if self.side is Side.SENDING and self.has_same_length:
-            used = {of.get(target.name) for target in read.fields if target.is_given or target.role.is_checked}
+            used = {of.get(target.name) for target in read.fields if not isinstance(target.role, IGNORED)}
             for name, field in fields.items():
                 if name not in used | read_keys.keys():
                     yield from fields_of.ignored(field)
         for target in read.fields:
             source = every.get(of.get(target.name, "")) or sent_keys.get(target.name)
-            if isinstance(target.role, ChecksumRole):
-                yield from fields_of.checksum(target, every.get(of.get(target.name, "")))
-            elif target.role.is_checked:
-                yield from fields_of.constant(target, source)
-            elif target.is_given and source and not isinstance(source.role, ReservedRole):
-                yield from fields_of.field(target, source)
-            elif target.is_given and self.has_same_length:
-                yield from fields_of.unset(target, source)
+            yield from fields_of.compared(target, source)
         for name in (name for name in read_keys if name in fields):
             yield from fields_of.field(read_keys[name], fields[name])
 
@@ -124,14 +120,31 @@ class FieldPair:
     """One message under some parameters, sent and read."""
 
     messages: MessagePair
-    demanded: Sequence[Field]
-    """The fields and keys with constants that the receiver demands."""
+    demanded: Mapping[Field, int]
+    """The fields and keys with the constants that the receiver demands."""
     assignment: Assignment
     sender: Sender
 
     @property
     def _encoder(self) -> Encoder:
         return self.sender.encoder
+
+    def compared(self, target: Field, source: Field | None) -> Iterator[Witness]:
+        """The differences of what the receiver reads in a field, or requires in it."""
+        match target.role:
+            case ChecksumRole():
+                yield from self.checksum(target, source)
+            case ConstantRole():
+                yield from self.constant(target, target.role.raw, source)
+            case GivenRole():
+                if source and match.has_meaning(source):
+                    yield from self.field(target, source)
+                elif self.messages.has_same_length:
+                    yield from self.unset(target, source)
+            case ReservedRole() | ParameterRole():
+                pass
+            case _:
+                assert_never(target.role)
 
     def field(self, target: Field, source: Field) -> Iterator[Witness]:
         """The differences of a field that both messages have, under every value of the parameters of its types."""
@@ -153,7 +166,7 @@ class FieldPair:
                 continue
             frame = self._accepted(made)
             raw, received = raw_of(source, frame), raw_of(target, frame)
-            required = target.role.required_raw
+            required = required_raw(target)
             if required is not None and required not in _by_index(target, received).values():
                 continue
             if source.type.joined or target.type.joined:
@@ -169,7 +182,7 @@ class FieldPair:
             for aspect, members in differences:
                 facts = {"sent": sent_as, "read": shown(target, received, self._encoder.assignment)}
                 yield self._made(aspect, "read", frame, facts, fields, members)
-            if not differences and not target.role.is_checked and self._is_out_of_range(source, target, received):
+            if not differences and required is None and self._is_out_of_range(source, target, received):
                 facts = {"sent": sent_as, "allowed": _allowed(target.type, self._encoder.assignment)}
                 yield self._made(RANGE, "out-of-range", frame, facts, (source, target))
 
@@ -266,19 +279,16 @@ class FieldPair:
             facts = {"sent": self._named(shown(source, raw_of(source, frame), self._encoder.assignment))}
             yield self._made(RAW, "ignored", frame, facts, (source,))
 
-    def constant(self, target: Field, source: Field | None) -> Iterator[Witness]:
+    def constant(self, target: Field, required: int, source: Field | None) -> Iterator[Witness]:
         """A constant that the receiver requires and that is not always sent, or that means something else."""
-        if (
-            source is not None
-            and source.role.sent_raw == target.role.required_raw
-            and source.elements == target.elements
-        ):
+        always = (ConstantRole(required), ReservedRole(required))
+        if source is not None and source.role in always and source.elements == target.elements:
             return
         frames = [self.sender.encode(self.sender.base)]
         if source is not None and source.is_given:
             frames += [frame for _, frame in self._frames(source, target)]
             yield from self.field(target, source)
-        wrong = next((frame for frame in filter(None, frames) if wrong_constants([target], frame)), None)
+        wrong = next((frame for frame in filter(None, frames) if differs(target, required, frame)), None)
         if wrong is not None:
             facts = {"sent": f"`{self.messages.sent.command}`", "reason": Keyword("wrong constant")}
             yield self._made(RAW, "rejected", wrong, facts, (target,) if source is None else (source, target))
@@ -317,10 +327,9 @@ class FieldPair:
 
     def _accepted(self, frame: CanFrame) -> CanFrame:
         """The frame with the constants and the checksum that the receiver demands, if the sender can send it."""
-        wrong = [field for field in wrong_constants(self.demanded, frame) if field.space is Space.DATA]
-        mask = data_bits((field.space, field.elements[0].segments) for field in wrong)
-        constants = sum(placed(f.elements[0].segments, f.role.required_raw or 0) for f in wrong)
-        changed = candidates.with_data(frame, int.from_bytes(frame.data, "little") & ~mask | constants)
+        constants = ((f, raw) for f, raw in self.demanded.items() if f.space is Space.DATA and differs(f, raw, frame))
+        wrong = MaskedBits.of((field.elements[0].segments, raw) for field, raw in constants)
+        changed = candidates.with_data(frame, int.from_bytes(frame.data, "little") & ~wrong.mask | wrong.value)
         if len(frame.data) == self.messages.read.dlc:
             changed = with_checksum(self.messages.read, changed)
         if changed == frame:

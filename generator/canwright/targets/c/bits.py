@@ -17,6 +17,7 @@ from ...model.layout import (
     Space,
 )
 from ...model.message import BitRun, Confusion, Key
+from ...semantics.plan import CheckConstant
 from .expressions import Integer, integer, joined, operand, raw_of, smallest, working
 
 
@@ -65,11 +66,11 @@ def read_segments(space: Space, segments: Sequence[Segment], width: int) -> str:
     return _read(space, segments, width, "frame")
 
 
-def constant_differs(field: Field, frame: str = "frame") -> str:
+def constant_differs(check: CheckConstant) -> str:
     """The condition for a frame with another value of a constant field."""
-    value = (field.role.required_raw or 0) & ((1 << field.type.width) - 1)
+    field, value = check.field, check.raw & ((1 << check.field.type.width) - 1)
     kind = _shown(field.type.width, field.elements[0].segments)
-    reads = (operand(_read(field.space, e.segments, field.type.width, frame)) for e in field.elements)
+    reads = (operand(_read(field.space, e.segments, field.type.width, "frame")) for e in field.elements)
     return joined("||", [f"{read} != {kind.bits(value)}" for read in reads])
 
 

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from ...model import formatting
 from ...model.checksum import Arithmetic
-from ...model.layout import ChecksumRole
 from ...semantics.checksum import ChecksumPlan, FrameByte
 from ...semantics.plan import CheckChecksum
 from . import bits
@@ -59,13 +58,11 @@ class ChecksumView(NamedTuple):
 
 def checksum_view(names: Names, check: CheckChecksum) -> ChecksumView:
     field, plan = check.field, check.checksum
-    role = field.role
-    assert isinstance(role, ChecksumRole)
     segments, width = field.elements[0].segments, field.type.width
     crc = _crc(names, plan) if plan.arithmetic is Arithmetic.CRC else None
     return ChecksumView(
         crc=crc,
-        doc=f"The checksum of a frame in `{field.name}`: {formatting.checksum(role)}.",
+        doc=f"The checksum of a frame in `{field.name}`: {formatting.checksum(check.role)}.",
         init=f"0x{plan.init:X}u",
         steps=tuple(_steps(plan, crc)),
         result=_result(plan),

@@ -140,7 +140,7 @@ class LayoutView:
         values = {f.name: known.value for f, known in parametric.items()}
         self.check = _ordered_body(names, layout, lambda variant: _checks(names, plan.encoding, variant, types))
         self.pack = _body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared, values))
-        self.counters = [_counter(names, layout, f) for f in stored if isinstance(f.role, CounterRole)]
+        self.counters = [_counter(names, layout, f, f.counter) for f in stored if f.counter]
         self.checksum = checksum_view(names, plan.checksum) if plan.checksum else None
         self.unpack = _body(names, layout, lambda variant: _reads(plan.decoding, variant))
         self.show = _ordered_body(names, layout, lambda variant: _shows(names, variant, types))
@@ -254,9 +254,8 @@ def _member(names: Names, edition: Edition, layout: Layout, field: Field, types:
     return MemberView(type_.kind, member(field.name) + length, doc)
 
 
-def _counter(names: Names, layout: Layout, field: Field) -> CounterView:
-    role, kind = field.role, integer(field.type)
-    assert isinstance(role, CounterRole)
+def _counter(names: Names, layout: Layout, field: Field, role: CounterRole) -> CounterView:
+    kind = integer(field.type)
     ends = kind.literal(role.first), kind.literal(role.last)
     return CounterView(names.lower(layout.name, field.name), field.name, kind.name, *ends)
 
@@ -307,7 +306,7 @@ def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRea
         match step:
             case CheckConstant():
                 if step.field.only and step.field in variant.fields:
-                    yield FieldRead(constant_differs=bits.constant_differs(step.field))
+                    yield FieldRead(constant_differs=bits.constant_differs(step))
             case ReadField():
                 for number, element in zip(numbers(step.field), step.field.elements, strict=True):
                     value = bits.read_field(step.field, element.segments) if step.field in variant.fields else "0"

@@ -68,12 +68,11 @@ def address_filter(edition: Edition, address: Address, direction: Direction) -> 
 def _patterns(message: Message) -> Iterator[tuple[int, int]]:
     """The bits of the id that keys and constant fields set, for each accepted code, and the bits that fields may set."""
     plan = message_plan(message)
-    constants = {step.field for step in plan.decoding if isinstance(step, CheckConstant)}
     fixed, free = REMOTE * message.remote, 0
     for field in (f for f in message.layout.fields if f.space is Space.ID):
         for element in field.elements:
-            if field in constants:
-                fixed |= placed(element.segments, field.role.sent_raw or 0)
+            if field in plan.required:
+                fixed |= placed(element.segments, plan.required[field])
             else:
                 free |= placed(element.segments, -1)
     keys = [[placed(k.key.segments, v) * (k.key.space is Space.ID) for v in k.values] for k in plan.keys] or [[0]]
@@ -322,8 +321,8 @@ class Messages:
     def _message(self, message: Message, pattern: PatternView) -> MessageView:
         names, layout = self._names, self._layouts[message.layout]
         command = self._edition.command(message.command)
-        constants = [step.field for step in message_plan(message).decoding if isinstance(step, CheckConstant)]
-        always = [bits.constant_differs(field) for field in constants if not field.only]
+        constants = [step for step in message_plan(message).decoding if isinstance(step, CheckConstant)]
+        always = [bits.constant_differs(check) for check in constants if not check.field.only]
         lacking = lacks(names, self._edition, command) if message.direction is Direction.REQUEST else []
         own_struct = message.name == message.layout.name
         what = f"The {message.direction.value}" if own_struct else "Request and reply"

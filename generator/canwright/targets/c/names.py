@@ -16,7 +16,7 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.checksum import Arithmetic
 from ...model.edition import Edition
-from ...model.layout import ChecksumRole, CounterRole, Field, Layout, Segment, Space
+from ...model.layout import Field, Layout, Segment, Space
 from ...model.message import Direction, Message
 from ...model.types import Parameter, Type
 from ...semantics.checksum import ChecksumPlan
@@ -303,9 +303,9 @@ def _layout_names(names: Names, layout: Layout) -> Iterator[tuple[str, DocumentP
     """The names of the functions of a layout, of its counters and of its checksum."""
     yield from ((names.lower(layout.name) + e, layout.path) for e in LAYOUT_ENDINGS)
     for field in layout.fields:
-        if isinstance(field.role, CounterRole):
+        if field.counter:
             yield from ((names.lower(layout.name, field.name) + e, field.path) for e in COUNTER_ENDINGS)
-        if isinstance(field.role, ChecksumRole):
+        if field.checksum:
             yield names.lower(layout.name, "sum"), field.path
 
 

@@ -13,7 +13,7 @@ from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.edition import Edition
 from ...model.formatting import english
-from ...model.layout import CounterRole, Field, Space
+from ...model.layout import Field, Space
 from ...model.types import IDENTITY, ByParameter, Encoding, Type
 
 WIDTH = 118
@@ -153,8 +153,8 @@ def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence
         parts.append(f"Element 0 is number {indices[0]}, the last one number {indices[-1]}.")
     if field.is_node:
         parts.append("It contains the low bits of the node." if low_bits else "It contains the node.")
-    if isinstance(field.role, CounterRole):
-        parts.append(f"A counter from {field.role.first} to {field.role.last}.")
+    if field.counter:
+        parts.append(f"A counter from {field.counter.first} to {field.counter.last}.")
     if english(field.about):
         parts.append(english(field.about))
     parts += type_facts(field.type, among) if among else of_type

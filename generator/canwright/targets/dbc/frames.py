@@ -11,7 +11,7 @@ from ...model.layout import Field, ParameterRole, Segment, Space
 from ...model.message import LISTED_NODES, Address, Command, Direction, IdRule, Key, Message
 from ...model.types import Assignment, Encoding
 from ...semantics.bits import data_bits, placed
-from ...semantics.plan import CheckConstant, MaskedBits, message_plan
+from ...semantics.plan import MaskedBits, message_plan
 from .view import EXTENDED
 
 MAX_RANGED_BITS = 8
@@ -44,8 +44,9 @@ class Part:
     @property
     def id_bits(self) -> int:
         """The bits of the id that are set by keys and constant fields."""
-        fixed = sum(placed(key.segments, value) for key, value in self._keys if key.space is Space.ID)
-        return fixed + sum(placed(f.elements[0].segments, f.role.sent_raw or 0) for f in fields_in_id(self.message))
+        keys = sum(placed(key.segments, value) for key, value in self._keys if key.space is Space.ID)
+        sent = message_plan(self.message).sent.items()
+        return keys + sum(placed(f.elements[0].segments, raw) for f, raw in sent if f.space is Space.ID)
 
     @functools.cached_property
     def selector_bits(self) -> int:
@@ -55,14 +56,9 @@ class Part:
     @functools.cached_property
     def fixed(self) -> MaskedBits:
         """The data bits that have the same value in every frame: of selectors and constants."""
-        fixed = [(key.segments, value) for key, value in self.selectors]
-        for step in message_plan(self.message).decoding:
-            if isinstance(step, CheckConstant) and step.field.space is Space.DATA and not step.field.only:
-                fixed += [(element.segments, step.raw) for element in step.field.elements]
-        mask = value = 0
-        for segments, raw in fixed:
-            mask, value = mask | placed(segments, -1), value | placed(segments, raw)
-        return MaskedBits(mask, value)
+        keys = MaskedBits.of((key.segments, value) for key, value in self.selectors)
+        constants = message_plan(self.message).constants
+        return MaskedBits(keys.mask | constants.mask, keys.value | constants.value)
 
     @functools.cached_property
     def joined_span(self) -> range | None:

@@ -15,7 +15,6 @@ from ...model.layout import (
     CounterRole,
     Element,
     Field,
-    FixedRole,
     GivenRole,
     ParameterRole,
     ReservedRole,
@@ -28,6 +27,7 @@ from ...model.layout import (
 from ...model.message import Command, Direction, Key
 from ...model.metadata import Effect, Level
 from ...model.types import IDENTITY, Assignment, Bound, Encoding, Linear, Order, Range, Type
+from ...semantics.plan import message_plan
 from ...semantics.valid_raws import FiniteFloats, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
 from .comments import Comments
 from .frames import Part, is_shown_by
@@ -204,14 +204,13 @@ class Signals:
             *about,
             *self._of_role(field.role),
         ]
+        sent = message_plan(part.message).sent.get(field)
         signal = Signal(signal_name(part, field, element), mux, element.bits, type_.order, "", reading.numbers)
         if not type_.flags and not is_one_run(element.segments, type_.order):
-            yield from self._parts(signal, sentences, field, element, reading)
-        elif isinstance(field.role, FixedRole):
-            numbers = self._integers(type_, reading.linear, reading.unit, (field.role.raw, field.role.raw))
-            yield signal._replace(
-                comment=comments.sentences(sentences), numbers=numbers._replace(start_value=field.role.raw)
-            )
+            yield from self._parts(signal, sentences, field, element, reading, sent)
+        elif sent is not None:
+            numbers = self._integers(type_, reading.linear, reading.unit, (sent, sent))
+            yield signal._replace(comment=comments.sentences(sentences), numbers=numbers._replace(start_value=sent))
         elif not field.is_given:
             yield signal._replace(comment=comments.sentences(sentences))
         elif type_.flags:
@@ -242,10 +241,16 @@ class Signals:
                 assert_never(role)
 
     def _parts(
-        self, whole: Signal, sentences: Sequence[str], field: Field, element: Element, reading: _Reading
+        self,
+        whole: Signal,
+        sentences: Sequence[str],
+        field: Field,
+        element: Element,
+        reading: _Reading,
+        sent: int | None,
     ) -> Iterator[Signal]:
         """One signal for each run of bits of a field: the value is the sum of their values."""
-        role, runs = field.role, runs_of(element.segments, field.type.order)
+        runs = runs_of(element.segments, field.type.order)
         spans = [(run[0].raw_low, sum(s.width for s in run)) for run in runs]
         names = [f"{whole.name}_bits_{low}_{low + width - 1}" for low, width in spans]
         summed = self._comments.fixed("summed", signals=self._comments.listed(names))
@@ -253,12 +258,12 @@ class Signals:
         for name, run, (low, width) in zip(names, runs, spans, strict=True):
             is_top = run is runs[-1] and field.type.encoding is Encoding.SIGNED
             ends = (-(1 << width - 1), (1 << width - 1) - 1) if is_top else (0, (1 << width) - 1)
-            if isinstance(role, FixedRole):
-                raw = role.raw >> low if is_top else role.raw >> low & (1 << width) - 1
+            if sent is not None:
+                raw = sent >> low if is_top else sent >> low & (1 << width) - 1
                 ends = raw, raw
             scale, offset = reading.linear.scale * (1 << low), reading.linear.offset if low == 0 else Fraction(0)
             lowest, highest = sorted(end * scale + offset for end in ends)
-            start_value = ends[0] if isinstance(role, FixedRole) else 0
+            start_value = 0 if sent is None else ends[0]
             steps = number(scale), number(offset)
             numbers = Numbers(number(lowest), number(highest), *steps, reading.unit, is_top, start_value)
             yield whole._replace(name=name, bits=bits_of(run), comment=comment, numbers=numbers)

@@ -13,6 +13,7 @@ from ...model.message import Command, Message
 from ...model.metadata import Neighbour
 from ...semantics.encoder import Encoder
 from ...semantics.frame import CanFrame
+from ...semantics.plan import message_plan
 from ...templating.markup import code, markdown
 from .links import COMMANDS, command_page
 
@@ -119,7 +120,8 @@ def _outcomes(replies: Sequence[tuple[Answer, Message]]) -> Iterator[Outcome]:
 
 def _used_bytes(message: Message) -> set[int]:
     """The data bytes of a message that are not always 0."""
-    fields = (field for field in message.layout.fields if field.space is Space.DATA and field.role.sent_raw != 0)
+    sent = message_plan(message).sent
+    fields = (field for field in message.layout.fields if field.space is Space.DATA and sent.get(field) != 0)
     runs = [element.segments for field in fields for element in field.elements]
     runs += [key.segments for key in message.keys if key.space is Space.DATA]
     return {segment.byte for segments in runs for segment in segments}

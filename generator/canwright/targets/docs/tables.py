@@ -34,6 +34,7 @@ from ...model.message import (
 )
 from ...model.types import Assignment, Encoding, Text, Type
 from ...semantics.frame import sent_id_rule
+from ...semantics.plan import message_plan
 from ...templating.markup import code, markdown
 from ..availability import is_available, values_of
 from .links import command_link
@@ -158,18 +159,21 @@ def _in_manual(field: Field, layout: Layout, command: Command, labels: Labels) -
 
 
 def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:
-    match field.role:
+    role = field.role
+    match role:
         case ReservedRole():
-            return "", code(formatting.fixed(field.role)), labels["sent_so"]
-        case ConstantRole() | ParameterRole():
-            return "", code(formatting.fixed(field.role)), labels["constant"]
+            return "", code(formatting.constant(role.raw)), labels["sent_so"]
+        case ConstantRole():
+            return "", code(formatting.constant(role.raw)), labels["constant"]
+        case ParameterRole():
+            return "", code(role.parameter), labels["constant"]
         case ChecksumRole():
             return "", "", ""
         case GivenRole():
             among = values_of(field.type.linear.parameter or "", layout, field, command)
             return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
         case _:
-            assert_never(field.role)
+            assert_never(role)
 
 
 def cases(pairs: Sequence[tuple[str, str]]) -> str:
@@ -217,7 +221,8 @@ def facts(message: Message, labels: Labels) -> Iterator[tuple[str, str]]:
     """Id, nodes and frame of a message."""
     nodes = message.id.nodes
     yield labels["id"], code(formatting.id_rule(message.id))
-    varies = any(field.space is Space.ID and field.role.sent_raw is None for field in message.layout.fields)
+    sent = message_plan(message).sent
+    varies = any(field.space is Space.ID and field not in sent for field in message.layout.fields)
     if sent_id_rule(message) != message.id and not varies:
         yield labels["sent_id"], code(formatting.id_rule(sent_id_rule(message)))
     if nodes is not None:

@@ -11,7 +11,6 @@ from ...model.exhaustive import assert_never
 from ...model.joined import JoinedText
 from ...model.layout import (
     ChecksumRole,
-    CounterRole,
     Field,
     FixedRole,
     GivenRole,
@@ -283,9 +282,8 @@ class ClassBodies:
     def _counters(self, fields: Iterable[Field]) -> Iterator[code.Code]:
         """The items of `COUNTERS`."""
         for field_ in fields:
-            role = field_.role
-            if isinstance(role, CounterRole):
-                made = f"{self.imports.use('Counter')}({role.first}, {role.last})"
+            if field_.counter:
+                made = f"{self.imports.use('Counter')}({field_.counter.first}, {field_.counter.last})"
                 yield f"{text.literal(text.attribute(field_.name))}: {made}"
 
     def _set(self, layout: Layout, field_: Field) -> str:

@@ -9,7 +9,7 @@ from ...diagnostics.unicode_safety import visible
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.joined import JoinedText
-from ...model.layout import ChecksumRole, Field
+from ...model.layout import Field
 from ...model.types import Encoding, Parameter, Type
 from ..base import header
 from ..nested_source import Table, Value
@@ -96,7 +96,7 @@ def filters(editions: Iterable[Edition]) -> Filters:
     for edition in editions:
         for layout in dict.fromkeys(message.layout for message in edition.all_messages()):
             for field in layout.fields:
-                if field.is_given or isinstance(field.role, ChecksumRole):
+                if field.is_given or field.checksum:
                     by_name.setdefault(field.name, []).append(field)
     names = {name: f"{name}_" if name in OWN_NAMES else name for name in by_name}
     return Filters(names=names, fields=tuple(_field(names[name], same) for name, same in by_name.items()))
