@@ -270,18 +270,22 @@ def moved(layout: Layout, constant: int | None) -> Layout:
     return dataclasses.replace(layout, fields=fields, variants=(Variant(values=(), fields=fields),))
 
 
+def shown(database: Database, data: bytes) -> dict[str, object]:
+    """The signals of a reply that are not 0."""
+    decoded: Any = database.decode_message(0x101, data)
+    return {name: value for name, value in decoded.items() if value}
+
+
 def test_selectors_side_by_side_have_a_file_that_reads_them_as_one() -> None:
     texts = {o.path: o.text for o in DbcTarget().generate([with_second_selector(1)], {})}
     plain, joined = loaded(texts["lamp-v1-small-reply.dbc"]), loaded(texts["lamp-v1-small-reply-index.dbc"])
     frame = bytes.fromhex("1B 0B 00 00 34 12 00 21")
     assert plain.decode_message(0x101, frame) == {"r_code": 0x1B, "r1B_index": "turn", "r1B_data": 0x2100_1234_0000}
-    assert joined.decode_message(0x101, frame) == {
+    assert shown(joined, frame) == {
         "r_code_index": "turn",
         "r1B_0B_turn": 0x1234,
         "r1B_0B_faults_hot": 1,
-        "r1B_0B_faults_bits_1_4": 0,
         "r1B_0B_faults_dead": 1,
-        "r1B_0B_faults_bits_6_7": 0,
     }
     assert "- `index`, `shine`, `turn`: [small reply](" in texts["README.md"]
     comment = plain.get_message_by_frame_id(0x101).get_signal_by_name("r1B_data").comment
@@ -299,15 +303,8 @@ def test_no_comment_says_a_thing_twice(spec: Path) -> None:
 def test_a_constant_between_selectors_is_read_with_them() -> None:
     texts = {o.path: o.text for o in DbcTarget().generate([with_second_selector(2, constant=0x05)], {})}
     joined = loaded(texts["lamp-v1-small-reply-index.dbc"])
-    read = joined.decode_message(0x101, bytes.fromhex("1B 05 0B 00 34 12 00 20"))
-    assert read == {
-        "r_code_index": "turn",
-        "r1B_0B_turn": 0x1234,
-        "r1B_0B_faults_hot": 0,
-        "r1B_0B_faults_bits_1_4": 0,
-        "r1B_0B_faults_dead": 1,
-        "r1B_0B_faults_bits_6_7": 0,
-    }
+    read = shown(joined, bytes.fromhex("1B 05 0B 00 34 12 00 20"))
+    assert read == {"r_code_index": "turn", "r1B_0B_turn": 0x1234, "r1B_0B_faults_dead": 1}
 
 
 def test_a_message_with_two_selectors_crosses_cantools() -> None:

@@ -22,11 +22,12 @@ from pathlib import Path
 
 from canwright.model.edition import Edition
 from canwright.model.golden_frames import GoldenFrame
-from canwright.model.layout import Element, Field, Space
+from canwright.model.layout import Field, Space
 from canwright.project.loader import specification
 from canwright.targets.base import EditionInput
 from canwright.targets.dbc.files import files
 from canwright.targets.dbc.frames import Part
+from canwright.targets.dbc.names import signal_name, signals_of
 from canwright.targets.dbc.printer import printed
 from canwright.targets.dbc.selection import NODES
 from canwright.targets.dbc.view import EXTENDED, File, Message, Signal
@@ -95,28 +96,26 @@ def _case(
     if is_of_table and selector and command.name not in dict(selector.values).values():
         return
     shown = [s for s in view.signals if not selector or s.mux in ("M", f"m{_raw(selector, frame.data)}")]
-    depth = part.code.count("_") + 1
-    by_field = {s.name.split("_", depth)[-1]: s for s in shown if s is not selector}
+    by_name = {s.whole_name: s for s in shown if s is not selector}
     values = {
-        by_field[name].name: value
+        by_name[name].name: value
         for field in message.layout.fields
         if field.name in frame.raw and field.space is Space.DATA
-        for name, value in _values(field, frame, by_field)
+        for name, value in _values(part, field, frame, by_name)
     }
     yield Case(frame.id, frame.extended, frame.data, values, frozenset(s.name for s in shown))
 
 
-def _values(field: Field, frame: GoldenFrame, signals: Mapping[str, Signal]) -> Iterator[tuple[str, float]]:
-    """The end of the name and the value of each signal of a field, as far as the golden frame has a value."""
+def _values(part: Part, field: Field, frame: GoldenFrame, signals: Mapping[str, Signal]) -> Iterator[tuple[str, float]]:
+    """The name and the value of each signal of a field, as far as the golden frame has a value."""
     raw, value = frame.raw[field.name], frame.values.get(field.name)
-    if field.type.flags:
-        assert isinstance(raw, int)
-        for flag in field.type.flags:
-            if f"{field.name}_{flag.name}" in signals:
-                yield f"{field.name}_{flag.name}", float(raw >> flag.value & 1)
-        return
     for i, element in enumerate(field.elements):
-        name = _element_name(field, element)
+        name = signal_name(part, field, element)
+        if field.type.flags:
+            assert isinstance(raw, int)
+            named = (bits for bits in signals_of(field, element) if bits.flag and name + bits.ending in signals)
+            yield from ((name + bits.ending, float(raw >> bits.low & 1)) for bits in named)
+            continue
         one_raw, one_value = (
             (raw[i], value[i] if isinstance(value, list) else None) if isinstance(raw, list) else (raw, value)
         )
@@ -128,10 +127,6 @@ def _values(field: Field, frame: GoldenFrame, signals: Mapping[str, Signal]) -> 
             yield name, float(one_raw)
         elif name in signals and isinstance(one_value, Fraction):
             yield name, float(one_value)
-
-
-def _element_name(field: Field, element: Element) -> str:
-    return field.name if element.index is None else f"{field.name}_{element.index}"
 
 
 def _raw(signal: Signal, data: bytes) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-import re
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,14 +15,14 @@ from cantools.database.namedsignalvalue import NamedSignalValue
 from ..model.layout import Field
 from ..model.refusal import Refusal
 from ..model.types import Encoding, factors
+from ..targets.dbc.frames import Part
+from ..targets.dbc.names import RAW_UNIT, signal_name, signals_of
 from .adapter import Cannot, ExactValue, Refused, Value
 
 Number = int | float
 Data = dict[str, Number | str]
 Place = tuple[Signal, int, str | None]
 """A signal, the raw bit it starts at, and the flag that it is, if any."""
-
-RAW_UNIT = "raw"
 
 _FLOATS = {32: (">I", ">f"), 64: (">Q", ">d")}
 
@@ -145,16 +144,13 @@ class Cell:
             raise Cannot("rounding")
 
 
-def cells(message: Message, prefix: str, field: Field) -> list[Cell]:
+def cells(message: Message, part: Part, field: Field) -> list[Cell]:
     """The places of a field, found by name; none where the file does not have it."""
     result = []
     signals = _signals(message)
     for element in field.elements:
-        name = f"{prefix}{field.name}" + ("" if element.index is None else f"_{element.index}")
-        if not field.type.flags or not field.is_given:
-            places = _whole(signals.get(name)) or _parts(name, signals)
-        else:
-            places = _flags(name, field, signals)
+        named = ((signal_name(part, field, element) + bits.ending, bits) for bits in signals_of(field, element))
+        places = [(signals[name], bits.low, bits.flag) for name, bits in named if name in signals]
         if places:
             result.append(Cell(field, tuple(places)))
     return result
@@ -169,27 +165,6 @@ def cell_of_selector(selector: Signal, field: Field) -> list[Cell]:
 @functools.lru_cache(maxsize=1024)
 def _signals(message: Message) -> dict[str, Signal]:
     return {signal.name: signal for signal in message.signals}
-
-
-def _whole(signal: Signal | None) -> list[Place]:
-    return [(signal, 0, None)] if signal else []
-
-
-def _parts(name: str, signals: Mapping[str, Signal]) -> list[Place]:
-    """The runs of bits of a field."""
-    parts = ((re.fullmatch(rf"{name}_bits_(\d+)_\d+", signal_name), signal) for signal_name, signal in signals.items())
-    return [(signal, int(match[1]), None) for match, signal in parts if match]
-
-
-def _flags(name: str, field: Field, signals: Mapping[str, Signal]) -> list[Place]:
-    places: list[Place] = []
-    for flag in field.type.flags:
-        if f"{name}_{flag.name}" in signals:
-            places.append((signals[f"{name}_{flag.name}"], flag.value, flag.name))
-    for signal_name, signal in signals.items():
-        if signal_name.startswith(f"{name}_bits_"):
-            places.append((signal, int(signal_name.split("_bits_")[1].split("_")[0]), None))
-    return places
 
 
 def values_of(places: list[Cell], shown: Mapping[str, object]) -> Value:

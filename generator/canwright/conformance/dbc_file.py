@@ -13,21 +13,19 @@ from cantools.database import Database, DecodeError, EncodeError
 from cantools.database.can import Message as CanMessage, Signal
 
 from ..model.edition import Edition
-from ..model.layout import Field, Space
+from ..model.layout import Field
 from ..model.message import Command, Direction, Message
 from ..model.refusal import Refusal
 from ..semantics.decoder import rejects_checked
 from ..semantics.encoder import Encoder
 from ..semantics.frame import has_id
 from ..semantics.plan import message_plan
+from ..targets.dbc.frames import Part
+from ..targets.dbc.names import LETTER, message_endings, node_name, reserved_name
 from ..targets.dbc.text import fitting
+from ..targets.dbc.view import EXTENDED
 from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, assignment, joined_value
 from .dbc_fields import Data, Number, cell_of_selector, cells, values_of
-
-KIND = {Direction.REQUEST: "command", Direction.REPLY: "reply"}
-LETTER = {Direction.REQUEST: "c", Direction.REPLY: "r"}
-EXTENDED = 1 << 31
-"""What a DBC adds to an id of 29 bits."""
 
 _ID = re.compile(r'(?:BO_|BO_TX_BU_|VAL_|SIG_VALTYPE_|SG_MUL_VAL_|CM_ (?:BO_|SG_)|BA_ "\w+" (?:BO_|SG_)) (\d+) ')
 
@@ -109,7 +107,7 @@ class DbcFile:
         if command is None:
             raise Cannot("selectors_apart")
         message = message_of(command, direction)
-        if not self._is_of_table and _data_keys(message) > 1:
+        if not self._is_of_table and len(self._part(message, None).selectors) > 1:
             raise Cannot("selectors_apart")
         if message.dlc != can_message.length:
             raise Cannot("lengths")
@@ -125,12 +123,12 @@ class DbcFile:
         selector: Signal | None,
     ) -> Decoded:
         raw, values = {}, {}
-        prefix = _prefix(message, numbers[selector.name] if selector else None)
+        part = self._part(message, numbers[selector.name] if selector else None)
         plan = message_plan(message)
         if plan.checksum and rejects_checked(message, frame, {}):
             raise Cannot("checksums")
         for field in message.layout.fields:
-            places = cells(can_message, prefix, field) or (cell_of_selector(selector, field) if selector else [])
+            places = cells(can_message, part, field) or (cell_of_selector(selector, field) if selector else [])
             if places:
                 read = [place.raw(numbers) for place in places]
                 if field in plan.required and {*read} != {plan.required[field]}:
@@ -148,6 +146,11 @@ class DbcFile:
         assert not isinstance(node, list)
         return Decoded(message.command, node, raw, values)
 
+    def _part(self, message: Message, code: Number | None) -> Part:
+        """A message with a code that its selector contains; None is the usual one."""
+        values = None if code is None or len(message.keys) != 1 else [int(code)]
+        return Part(self._edition.command(message.command), message, values)
+
     def _command(self, name: str) -> Command | None:
         """The command of a text, which ends in the code where a command has several, or in the direction.
 
@@ -160,7 +163,7 @@ class DbcFile:
         """The command without a code whose signals, without a code in their names, follow the selector."""
         if not any(name.startswith(f"{LETTER[direction]}_") for name in [*shown][1:]):
             return None
-        alike = (m for m in self._edition.messages(direction) if has_id(m, frame) and not _data_keys(m))
+        alike = (m for m in self._edition.messages(direction) if has_id(m, frame) and not self._part(m, None).selectors)
         return next((self._edition.command(message.command) for message in alike), None)
 
     def _code(
@@ -172,7 +175,8 @@ class DbcFile:
     ) -> int | None:
         """What the selector holds for a message; None when the file does not have it, or shows raw bits in its place."""
         choices = {int(value): str(text) for value, text in (selector.choices or {}).items()}
-        if not _data_keys(message):
+        selectors = self._part(message, None).selectors
+        if not selectors:
             value = next((given[f.name] for f in message.layout.fields if cell_of_selector(selector, f)), 0)
             assert isinstance(value, (int, Fraction))
             if value in choices:
@@ -181,7 +185,7 @@ class DbcFile:
         if self._is_of_table and given_code is None:
             return next((value for value, text in choices.items() if text == message.command), None)
         code = message.keys[0].value if given_code is None else given_code
-        return code if _data_keys(message) == 1 and code in choices else None
+        return code if len(selectors) == 1 and code in choices else None
 
     def write(
         self,
@@ -193,12 +197,9 @@ class DbcFile:
         scaled: bool,
     ) -> Encoded | Refused | None:
         """The frame, or why not; None when the file lacks the command."""
-        title = _title(message.address)
-        of_node = self._messages.owned_by(title if node is None else f"{title}{node}")
-        in_id = [f"{key.value:0{-(-key.width // 4)}X}" for key in message.keys if key.space is Space.ID]
-        kind = KIND[message.direction]
-        endings = ("_".join((kind, *in_id)), f"{message.command}_{kind}", message.command)
-        named = of_node or self._messages.owned_by(rf"{title}\d*")
+        of_node = self._messages.owned_by(node_name(message.address, node))
+        named = of_node or self._messages.owned_by(node_name(message.address, None) + r"\d*")
+        endings = message_endings(self._part(message, None))
         number = next((named[ending] for ending in endings if ending in named), None)
         can_message = None if number is None else self._messages.message(number)
         selector = _selector(can_message) if can_message else None
@@ -210,28 +211,24 @@ class DbcFile:
         if message.dlc != can_message.length:
             raise Cannot("lengths")
         data: Data = {selector.name: code} if selector and code is not None else {}
-        prefix = _prefix(message, code)
-        data |= {signal.name: 0 for signal in can_message.signals if signal.name == f"{prefix}reserved"}
+        part = self._part(message, code)
+        data |= {signal.name: 0 for signal in can_message.signals if signal.name == reserved_name(part)}
         plan = message_plan(message)
         for field in message.layout.fields:
             if field.type.joined and scaled:
                 raise Cannot("joined")
             sent = [plan.sent.get(field, 0)] * len(field.elements)
             value = given.get(field.name) if field.is_given else sent
-            parts: Sequence[Any] = value if isinstance(value, list) and not field.type.flags else [value]
-            for place, part in zip(cells(can_message, prefix, field), parts, strict=False):
+            elements: Sequence[Any] = value if isinstance(value, list) and not field.type.flags else [value]
+            for place, element in zip(cells(can_message, part, field), elements, strict=False):
                 put = place.put_raw if not field.is_given or not scaled else place.put_value
-                refused = None if part is None else put(data, part, parameters)
+                refused = None if element is None else put(data, element, parameters)
                 if refused:
                     return refused
-        checked = _checked(message, can_message, prefix, data, scaled, parameters)
+        checked = _checked(part, can_message, data, scaled, parameters)
         if isinstance(checked, Encoded) and plan.checksum:
             raise Cannot("checksums")
         return checked
-
-
-def _data_keys(message: Message) -> int:
-    return sum(key.space is Space.DATA for key in message.keys)
 
 
 def message_of(command: Command, direction: Direction) -> Message:
@@ -241,10 +238,11 @@ def message_of(command: Command, direction: Direction) -> Message:
 
 
 def _checked(
-    message: Message, can_message: CanMessage, prefix: str, data: Data, scaled: bool, parameters: Parameters
+    part: Part, can_message: CanMessage, data: Data, scaled: bool, parameters: Parameters
 ) -> Encoded | Refused:
     """What cantools makes of the signals, or says of them; Cannot for what it lets pass and the spec does not."""
-    places = ((f, place) for f in message.layout.fields for place in cells(can_message, prefix, f))
+    layout = part.message.layout
+    places = ((f, place) for f in layout.fields for place in cells(can_message, part, f))
     fields = {signal.name: f for f, place in places for signal, _, _ in place.signals}
     infinite = [name for name, value in data.items() if isinstance(value, float) and value - value != 0]
     try:
@@ -255,25 +253,25 @@ def _checked(
         if infinite:
             return Refused(Refusal.NOT_FINITE, fields[infinite[0]].name)
         if "is required" in str(error) or "not required" in str(error):
-            return Refused(Refusal.MISSING_PARAMETER, message.layout.parameter)
+            return Refused(Refusal.MISSING_PARAMETER, layout.parameter)
         named = re.search(r'signal "(\w+)"', str(error))
         names = [field.name for field in fields.values()]
-        if named and not _is_another_wrong(message, can_message, prefix, data, named[1], scaled, parameters):
+        if named and not _is_another_wrong(part, can_message, data, named[1], scaled, parameters):
             names = [fields[named[1]].name]
         return Refused(Refusal.OUT_OF_RANGE, names[0] if len(names) == 1 else None)
     if infinite:
         raise Cannot("not_finite")
-    _refuse_all_unchecked(message, can_message, prefix, encoded.data, parameters)
+    _refuse_all_unchecked(part, can_message, encoded.data, parameters)
     numbers = _mapping(can_message.decode(encoded.data, decode_choices=False, scaling=False))
-    for field in message.layout.fields if scaled else ():
-        for place in cells(can_message, prefix, field):
+    for field in layout.fields if scaled else ():
+        for place in cells(can_message, part, field):
             if field.type.no_value(place.raw(numbers)) and not isinstance(data[place.signal.name], str):
                 raise Cannot("no_value_numbers")
     return encoded
 
 
 def _is_another_wrong(
-    message: Message, can_message: CanMessage, prefix: str, data: Data, name: str, scaled: bool, parameters: Parameters
+    part: Part, can_message: CanMessage, data: Data, name: str, scaled: bool, parameters: Parameters
 ) -> bool:
     """Whether a field besides that of the signal which cantools names is wrong: it does not always name the first."""
     signal = can_message.get_signal_by_name(name)
@@ -281,20 +279,18 @@ def _is_another_wrong(
     right = lowest if scaled else signal.conversion.numeric_scaled_to_raw(lowest)
     try:
         encoded = can_message.encode({**data, name: right}, scaling=scaled, strict=True)
-        _refuse_all_unchecked(message, can_message, prefix, encoded, parameters)
+        _refuse_all_unchecked(part, can_message, encoded, parameters)
     except (EncodeError, Cannot):
         return True
     return False
 
 
-def _refuse_all_unchecked(
-    message: Message, can_message: CanMessage, prefix: str, encoded: bytes, parameters: Parameters
-) -> None:
+def _refuse_all_unchecked(part: Part, can_message: CanMessage, encoded: bytes, parameters: Parameters) -> None:
     """Raises Cannot if a field has a raw integer that the spec forbids and cantools takes."""
     numbers = _mapping(can_message.decode(encoded, decode_choices=False, scaling=False))
-    for field in message.layout.fields:
-        for place in cells(can_message, prefix, field):
-            direction = Direction.REPLY if place.is_divided else message.direction
+    for field in part.message.layout.fields:
+        for place in cells(can_message, part, field):
+            direction = Direction.REPLY if place.is_divided else part.message.direction
             _refuse_unchecked(direction, field, place.raw(numbers), parameters)
 
 
@@ -307,23 +303,9 @@ def _refuse_unchecked(direction: Direction, field: Field, raw: int, parameters: 
             raise Cannot("reply_limits")
 
 
-def _prefix(message: Message, code: Number | None) -> str:
-    """What the names of a message's signals start with: direction and code."""
-    letter = LETTER[message.direction]
-    values = [key.value for key in message.keys]
-    if code is not None and len(values) == 1:
-        values = [int(code)]
-    codes = [f"{v:0{-(-k.width // 4)}X}" for k, v in zip(message.keys, values, strict=True)]
-    return f"{letter}{'_'.join(codes)}_"
-
-
 def _node(message: Message, can_message: CanMessage) -> int | None:
-    number = can_message.name.partition("_")[0].removeprefix(_title(message.address))
+    number = can_message.name.partition("_")[0].removeprefix(node_name(message.address, None))
     return int(number) if number else None
-
-
-def _title(address: str) -> str:
-    return address.title().replace("_", "")
 
 
 def _selector(message: CanMessage) -> Signal | None:

@@ -15,9 +15,10 @@ from ..options import NO_OPTIONS, Options
 from . import sending
 from .comments import ENGLISH, Comments
 from .frames import Frame, Part, frames, partners
+from .names import message_endings, node_name
 from .selection import COMMENTS, NODES
 from .signals import Signals
-from .text import camel, fitting, number
+from .text import fitting, number
 from .view import KIND, File, Message, Signal, fitted
 
 _OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY}
@@ -57,15 +58,6 @@ def stems(edition: Edition) -> Iterator[str]:
     """The first part of the names of files: the edition, and the parameter values that have files of their own."""
     made = _with_defaults(edition)
     return ("-".join((made.name, *made.known(assignment))) for assignment in made.assignments)
-
-
-def node_name(address: str, node: int | None) -> str:
-    """The name of a node: the name of its address and its number."""
-    return fitting(_whole_node_name(address, node))
-
-
-def _whole_node_name(address: str, node: int | None) -> str:
-    return camel(address) + ("" if node is None else str(node))
 
 
 class _Content(NamedTuple):
@@ -171,21 +163,25 @@ class _Files:
     def _messages(self, content: _Content, with_direction: bool) -> Iterator[Message]:
         """One message for each node, named by direction and a code in the id, or by the command if there is no selector."""
         direction, frame, signals = content
-        first, kind = frame.parts[0], KIND[direction]
-        ending = "_".join((kind, *first.codes_in_id)) if first.selectors else first.command.name
-        if with_direction and not first.selectors and first.command.request and first.command.reply:
-            ending = f"{ending}_{kind}"
+        first = frame.parts[0]
+        selected, of_both, alone = message_endings(first)
+        is_of_both = with_direction and first.command.request and first.command.reply
+        ending = selected if first.selectors else of_both if is_of_both else alone
         send_type, cycle_ms = sending.attributes(frame)
         for node, id_ in frame.ids(self._nodes):
             name = node_name(first.message.address, node)
-            nodes: tuple[str, ...] = (name,)
+            nodes: tuple[str, ...] = (fitting(name),)
             if node is None:
-                ends = (node_name(*end) for part in frame.parts for end in partners(self._edition, part, self._nodes))
+                ends = (
+                    fitting(node_name(*end))
+                    for part in frame.parts
+                    for end in partners(self._edition, part, self._nodes)
+                )
                 nodes = tuple(dict.fromkeys(ends)) or (_NO_NODE,)
             is_request = direction is Direction.REQUEST
             yield Message(
                 id=id_,
-                name=f"{_whole_node_name(first.message.address, node)}_{ending}",
+                name=f"{name}_{ending}",
                 length=frame.length,
                 shortest=frame.shortest,
                 senders=(self._host,) if is_request else nodes,

@@ -15,7 +15,7 @@ from ..base import EditionInput, header
 from ..examples import is_usual
 from .comments import ENGLISH, languages
 from .frames import Part, frames, obstacle, unlisted_nodes
-from .signals import prefix
+from .names import prefix
 from .text import number
 from .view import EXTENDED, KIND, File, Message, Signal
 

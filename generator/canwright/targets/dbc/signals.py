@@ -21,8 +21,6 @@ from ...model.layout import (
     Role,
     Space,
     bits_of,
-    is_one_run,
-    runs_of,
 )
 from ...model.message import Command, Direction, Key
 from ...model.metadata import Effect, Level
@@ -31,30 +29,14 @@ from ...semantics.plan import message_plan
 from ...semantics.valid_raws import FiniteFloats, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
 from .comments import Comments
 from .frames import Part, is_shown_by
+from .names import LETTER, RAW_UNIT, SignalBits, adjacent, reserved_name, signal_name, signals_of
 from .text import any_text, number
 from .view import Numbers, Signal, fitted
 
 MAX_NAMED = 16
 """So many raw integers of one name for no value are listed."""
 
-RAW_UNIT = "raw"
-"""Unit of values without a scale, so that raw integers are not mistaken for a quantity."""
-
-_LETTER = {Direction.REPLY: "r", Direction.REQUEST: "c"}
-"""First letter of signal names, so that the names of the two directions differ."""
-
 _FLOAT_KINDS = {32: 1, 64: 2}
-
-
-def prefix(part: Part) -> str:
-    """The start of the names of the signals of a message."""
-    return f"{_LETTER[part.message.direction]}{part.code}"
-
-
-def signal_name(part: Part, field: Field, element: Element) -> str:
-    """The name of the signal of a field, or of an element of an array; it may be too long."""
-    name = f"{prefix(part)}_{field.name}"
-    return name if element.index is None else f"{name}_{element.index}"
 
 
 class _Reading(NamedTuple):
@@ -71,7 +53,7 @@ class Signals:
 
     def __init__(self, direction: Direction, numbers: Mapping[str, Fraction], comments: Comments) -> None:
         self._direction = direction
-        self._letter = _LETTER[direction]
+        self._letter = LETTER[direction]
         self._numbers = numbers
         self._comments = comments
         self._messages: dict[tuple[object, ...], Sequence[Signal]] = {}
@@ -117,7 +99,7 @@ class Signals:
 
     def _ranged(self, part: Part, assignment: Assignment, key: Key, taken: Collection[int]) -> Iterator[Signal]:
         """The signals of a message with all values of a selector that are not taken."""
-        runs = _runs(value for value in range(1 << key.width) if value not in taken)
+        runs = adjacent(value for value in range(1 << key.width) if value not in taken)
         ranges = tuple(range(run[0], run[-1] + 1) for run in runs)
         bits = bits_of(key.segments)
         for signal in self._message(part, assignment, f"m{runs[0][0]}", range(bits[0], bits[-1] + 1)):
@@ -144,7 +126,7 @@ class Signals:
             *(bits_of(k.segments) for k, _ in shared)
         )
         comment = self._sentence("separate_file" if all(part.joined_span for part in parts) else "undecided")
-        for run in _runs(free):
+        for run in adjacent(free):
             yield _bare(f"{self._letter}{code}_data", mux, run, comment)
 
     def _selector(self, name: str, mux: str, key: Key, names: Sequence[tuple[int, str]], comment: str) -> Signal:
@@ -177,7 +159,7 @@ class Signals:
         if free:
             reserved = self._comments.labelled(self._comments.of(part.command.title), self._comments.fixed("reserved"))
             comment = self._comments.sentences([reserved, *self._about(part)])
-            yield self._unused(f"{prefix(part)}_reserved", mux, max(_runs(free), key=len), comment)
+            yield self._unused(reserved_name(part), mux, max(adjacent(free), key=len), comment)
 
     def _unused(self, name: str, mux: str, bits: Sequence[int], comment: str, order: Order = Order.LITTLE) -> Signal:
         """Bits that are sent as 0; a decoder accepts any."""
@@ -206,15 +188,16 @@ class Signals:
         ]
         sent = message_plan(part.message).sent.get(field)
         signal = Signal(signal_name(part, field, element), mux, element.bits, type_.order, "", reading.numbers)
-        if not type_.flags and not is_one_run(element.segments, type_.order):
-            yield from self._parts(signal, sentences, field, element, reading, sent)
+        runs = list(signals_of(field, element))
+        if runs[0].ending and not type_.flags:
+            yield from self._parts(signal, sentences, runs, reading, type_, sent)
         elif sent is not None:
             numbers = self._integers(type_, reading.linear, reading.unit, (sent, sent))
             yield signal._replace(comment=comments.sentences(sentences), numbers=numbers._replace(start_value=sent))
         elif not field.is_given:
             yield signal._replace(comment=comments.sentences(sentences))
         elif type_.flags:
-            yield from self._flags(signal, sentences, type_, element)
+            yield from self._flags(signal, sentences, runs, type_)
         else:
             no_values = [no_value for no_value in type_.no_values if not no_value.is_nan]
             named = [(raw, no_value.name) for no_value in no_values for raw in _listed(no_value.raws)]
@@ -244,19 +227,18 @@ class Signals:
         self,
         whole: Signal,
         sentences: Sequence[str],
-        field: Field,
-        element: Element,
+        runs: Sequence[SignalBits],
         reading: _Reading,
+        of: Type,
         sent: int | None,
     ) -> Iterator[Signal]:
-        """One signal for each run of bits of a field: the value is the sum of their values."""
-        runs = runs_of(element.segments, field.type.order)
-        spans = [(run[0].raw_low, sum(s.width for s in run)) for run in runs]
-        names = [f"{whole.name}_bits_{low}_{low + width - 1}" for low, width in spans]
+        """One signal for each run of bits of a number: the value is the sum of their values."""
+        names = [whole.name + run.ending for run in runs]
         summed = self._comments.fixed("summed", signals=self._comments.listed(names))
         comment = self._comments.sentences([*sentences, summed])
-        for name, run, (low, width) in zip(names, runs, spans, strict=True):
-            is_top = run is runs[-1] and field.type.encoding is Encoding.SIGNED
+        for name, run in zip(names, runs, strict=True):
+            low, width = run.low, len(run.bits)
+            is_top = run is runs[-1] and of.encoding is Encoding.SIGNED
             ends = (-(1 << width - 1), (1 << width - 1) - 1) if is_top else (0, (1 << width) - 1)
             if sent is not None:
                 raw = sent >> low if is_top else sent >> low & (1 << width) - 1
@@ -266,24 +248,21 @@ class Signals:
             start_value = 0 if sent is None else ends[0]
             steps = number(scale), number(offset)
             numbers = Numbers(number(lowest), number(highest), *steps, reading.unit, is_top, start_value)
-            yield whole._replace(name=name, bits=bits_of(run), comment=comment, numbers=numbers)
+            yield whole._replace(name=name, bits=run.bits, comment=comment, numbers=numbers)
 
-    def _flags(self, whole: Signal, sentences: Sequence[str], type_: Type, element: Element) -> Iterator[Signal]:
+    def _flags(self, whole: Signal, sentences: Sequence[str], runs: Iterable[SignalBits], of: Type) -> Iterator[Signal]:
         """One signal for each flag, and one for each run of bits without a name, so that no bit is missing."""
-        named = {flag.value: flag for flag in type_.flags}
-        bit_of = {s.raw_low + i: s.byte * 8 + s.low + i for s in element.segments for i in range(s.width)}
-        starts = [] if is_one_run(element.segments, type_.order) else [s.raw_low for s in element.segments]
-        for run in _runs(bit_of, split=named, before=starts):
-            bits = tuple(bit_of[i] for i in run)
-            flag = named.get(run[0])
-            if flag:
+        named = {flag.name: flag for flag in of.flags}
+        for run in runs:
+            name = whole.name + run.ending
+            if run.flag:
+                flag = named[run.flag]
                 about = [self._comments.of(flag.title), self._comments.deprecation(flag.deprecated)]
                 comment = self._comments.sentences([*sentences, *about])
-                yield _bare(f"{whole.name}_{flag.name}", whole.mux, bits, comment, whole.order)
+                yield _bare(name, whole.mux, run.bits, comment, whole.order)
             else:
-                name = "_".join((whole.name, "bits", *(str(i) for i in sorted({run[0], run[-1]}))))
                 comment = self._comments.sentences([*sentences, self._comments.fixed("unnamed_bits")])
-                yield self._unused(name, whole.mux, bits, comment, whole.order)
+                yield self._unused(name, whole.mux, run.bits, comment, whole.order)
 
     def _reading(self, type_: Type, known: Assignment) -> _Reading:
         key = (type_, *known.items())
@@ -369,17 +348,6 @@ def _listed(raws: range) -> Sequence[int]:
 def _bare(name: str, mux: str, bits: Sequence[int], comment: str, order: Order = Order.LITTLE) -> Signal:
     """A signal without a type: plain bits."""
     return Signal(name, mux, tuple(bits), order, comment, Numbers("0", str((1 << len(bits)) - 1)))
-
-
-def _runs(numbers: Iterable[int], split: Iterable[int] = (), before: Iterable[int] = ()) -> list[list[int]]:
-    """Runs of adjacent numbers; each number in `split` is a run of its own, one in `before` starts a run."""
-    adjacent: list[list[int]] = []
-    for n in sorted(numbers):
-        if adjacent and adjacent[-1][-1] == n - 1 and n not in (*split, *before) and n - 1 not in split:
-            adjacent[-1].append(n)
-        else:
-            adjacent.append([n])
-    return adjacent
 
 
 def _shared_name(parts: Sequence[Part]) -> str:

@@ -14,12 +14,12 @@ from ...semantics.configured import configured
 from ...templating.environment import environment
 from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
 from ..options import NO_OPTIONS, Options
-from .files import files, node_name, reply_file, stems
+from .files import files, reply_file, stems
 from .frames import Part, frames, unlisted_nodes
 from .guide import Made, guide
+from .names import node_name, signal_name, signals_of
 from .printer import printed
 from .selection import COMMENTS, NODES
-from .signals import signal_name
 from .text import NAME_LENGTH, fitting
 from .view import KIND
 
@@ -75,7 +75,7 @@ class DbcTarget(Target):
         yield ("bus", "host"), edition.bus.host
         parts = [part for direction in KIND for frame in frames(edition, direction, {}) for part in frame.parts]
         first = {part.message.address: part.message.id.nodes[0] for part in parts if part.message.id.nodes}
-        yield from ((("addresses", address), node_name(address, node)) for address, node in first.items())
+        yield from ((("addresses", address), fitting(node_name(address, node))) for address, node in first.items())
         made = files(edition, {}, Options({NODES: tuple(sorted(set(first.values())))}))
         existing = {
             signal.whole_name: signal.name for file in made for message in file.messages for signal in message.signals
@@ -83,7 +83,7 @@ class DbcTarget(Target):
         for part in parts:
             for field in part.message.layout.fields:
                 for path, name in _signals(part, field):
-                    if name in existing:
+                    if path and name in existing:
                         yield path, existing[name]
                         for key in ("enum", "no_value", "names"):
                             members = field.type.members_by_key[key]
@@ -100,12 +100,12 @@ class DbcTarget(Target):
         return CodeExample("sh", text) if file else None
 
 
-def _signals(part: Part, field: Field) -> Iterator[tuple[DocumentPath, str]]:
-    """The names of the signals of a field, each with the path of the field or the flag."""
-    for name in (signal_name(part, field, element) for element in field.elements):
-        yield from (((*field.type.path, "flags", flag.name), f"{name}_{flag.name}") for flag in field.type.flags)
-        if not field.type.flags:
-            yield field.path, name
+def _signals(part: Part, field: Field) -> Iterator[tuple[DocumentPath | None, str]]:
+    """The names of the signals of a field, each with the path of the field or the flag; None for some of its bits."""
+    for element in field.elements:
+        for bits in signals_of(field, element):
+            flag = (*field.type.path, "flags", bits.flag) if bits.flag else None
+            yield flag or (None if bits.ending else field.path), signal_name(part, field, element) + bits.ending
 
 
 @functools.lru_cache(maxsize=4)
