@@ -867,29 +867,17 @@ local directions = (function(...)
 -- Decides on the direction of each frame of a bus, in the order of the capture.
 --
 -- The rules, in this order: a mark of the recorder; the id or the content, if only one direction has it; pairing: a reply
--- within a time closes the exchange that a request opened; retry: the bytes of an open request again.
---
--- The first frames of a bus show how it behaves: whether each request is captured twice, whether the host leaves old bytes
--- in reserved bits of a request, and how long replies take. Each time that something is learned, they are decided again.
+-- within a time closes the exchange that a request opened; retry: the bytes of an open request again. Anything else is
+-- assumed, and its rule says so. Nothing is learned from other frames: a result never changes.
 
 local codec = ...
 
 local directions = {}
 
 local MAX_OPEN = 64
-local LEARNED_FROM = 4096
--- Times in ns: of a copy after its frame, and the longest time in which a late reply is searched for.
-local COPIED_WITHIN, LONGEST = 3000000, 200000000
--- Shares are taken from so many cases. Old bits count if one frame in so many shows them.
-local LEAST, RARE = 8, 32
--- Retries look like copies, and missing requests like slow replies, in a few cases.
-local LEAST_IN_ALL = 32
-local LATENCIES = 64
--- So many times, at most, the first frames are decided again.
-local MAX_ROUNDS = 32
 
 -- The state of all buses. `window` is the maximum time in ns in which a request is answered. Marks count if `trusts_marks`,
--- or once a bus has both. `sent` is the direction of sent frames, by default "request".
+-- or once a node has both. `sent` is the direction of sent frames, by default "request".
 function directions.new(window, sent, trusts_marks)
     return {
         window = window, sent = sent or "request", trusts_marks = trusts_marks, buses = {}, verdicts = {},
@@ -914,22 +902,10 @@ local function set_verdict(state, result, direction, rule, message, node, reason
     setmetatable(result, verdict)
 end
 
-local function new_bus(learned)
-    return { open = {}, clock = 0, marks = {}, latest = {}, learned = learned }
-end
-
--- What is known of a bus, and what it is learned from.
-local function new_learned()
-    return {
-        history = {}, old = {}, runs = {}, replies = {}, latencies = {}, count = 0, certain = 0, unexpected = 0, rounds = 0,
-        request_runs = 0, request_pairs = 0, all_runs = 0, all_pairs = 0,
-    }
-end
-
 local function bus_of(state, name)
     local bus = state.buses[name]
     if not bus then
-        bus = new_bus(new_learned())
+        bus = { open = {}, clock = 0, marks = {} }
         state.buses[name] = bus
     end
     return bus
@@ -988,16 +964,15 @@ local function is_same(first, second)
     return true
 end
 
--- The time in which a request is answered, at most: that of the user, of the command, or longer if replies take longer.
-local function window_of(state, bus, request)
-    return math.max(state.window, 2 * (bus.learned.reply_time or 0), request.answer.reply_within or 0)
+-- The time in which a request is answered, at most: that of the user, or longer if the spec states it.
+local function window_of(state, request)
+    return math.max(state.window, request.answer.reply_within or 0)
 end
 
--- The oldest open exchange that a frame closes, its number, the node that replies, and the reply that the frame is. Older
--- exchanges than `longest` have ended.
-local function answered(state, bus, edition, frame, longest)
+-- The oldest open exchange that a frame closes, its number, the node that replies, and the reply that the frame is.
+local function answered(state, bus, edition, frame)
     for number, exchange in ipairs(bus.open) do
-        local window = longest or window_of(state, bus, exchange.request)
+        local window = window_of(state, exchange.request)
         if exchange.edition == edition and exchange.since + window >= bus.clock then
             local answer, node = codec.answer(exchange.request, exchange.node, exchange.frame, frame)
             local already = node and exchange.answered and exchange.answered[node] or 0
@@ -1009,24 +984,12 @@ local function answered(state, bus, edition, frame, longest)
     return nil
 end
 
--- Whether a program can send a request. Its reserved bits are those of the spec, or the old ones of its host.
-local function is_regular(bus, request, frame)
-    local old = bus.learned.old[request]
-    local has_usual_bits
-    if old then
-        has_usual_bits = old.value == nil or old.value == codec.reserved_bits(request, frame)
-    else
-        has_usual_bits = codec.has_regular_bits(request, frame)
-    end
-    return has_usual_bits and codec.is_in_range(request, frame)
-end
-
 -- The direction by content; nil if both directions are possible.
-local function by_content(bus, possible, frame)
+local function by_content(possible, frame)
     local is_request = possible.request ~= nil and codec.has_constants(possible.request, frame)
     local is_reply = has_constants(possible.replies, frame)
     if is_request and is_reply then
-        if not is_regular(bus, possible.request, frame) then
+        if not codec.is_in_range(possible.request, frame) then
             return "reply", "content"
         end
         return nil
@@ -1045,32 +1008,27 @@ local function replies_differ(request)
     return not request.answer.echo and #request.layout.fields > 0 and request.layout ~= request.answer.reply.layout
 end
 
--- The time in which a reply is expected: of the command; twice that of the spec; of the log if replies take longer.
-local function within(state, bus, edition, request)
-    if request.answer.reply_within then
-        return request.answer.reply_within
-    end
-    local window, usual = window_of(state, bus, request), bus.learned.reply_time or 0
-    local stated = edition.reply_within and 2 * edition.reply_within
-    if usual > (stated or state.window) then
-        return math.min(window, usual * 1.5)
-    end
-    return math.min(window, stated or state.window / 4)
+-- The time in which a reply is expected: of the command, or twice that of the spec.
+local function within(state, edition, request)
+    local stated = request.answer.reply_within or edition.reply_within and 2 * edition.reply_within
+    return math.min(window_of(state, request), stated or state.window / 4)
 end
 
--- The direction of a frame that can be both.
+-- The direction of a frame that can be both. Hosts can leave old bytes in reserved bits, so what these show is only assumed.
 local function by_exchange(state, bus, edition, possible, exchange, frame)
+    local is_regular = codec.has_regular_bits(possible.request, frame)
     if not exchange then
-        return "request", "pairing"
+        return is_regular and "request" or "reply", "assumed"
     end
-    local old = bus.learned.old[possible.request]
-    local has_old = old ~= nil and old.value == nil
-    local repeated, distinct = is_same(exchange.frame, frame), possible.request.answer.distinct and not has_old
-    local soon = bus.clock - exchange.since <= within(state, bus, edition, exchange.request)
-    if repeated and (not soon or distinct and replies_differ(exchange.request)) then
-        return "request", "retry"
+    local is_soon = bus.clock - exchange.since <= within(state, edition, exchange.request)
+    local is_repeated, distinct = is_same(exchange.frame, frame), possible.request.answer.distinct
+    if is_repeated and (not is_soon or distinct and replies_differ(exchange.request)) then
+        return "request", exchange.request.answer.echo and "assumed" or "retry"
     end
-    return (soon or not distinct and not has_old) and "reply" or "request", "pairing"
+    if is_soon or not is_regular then
+        return "reply", is_repeated and not exchange.request.answer.echo and "assumed" or "pairing"
+    end
+    return distinct and "request" or "reply", "assumed"
 end
 
 -- Opens an exchange. It replaces earlier ones of the same request, except echoes of other bytes.
@@ -1090,147 +1048,23 @@ local function open(bus, exchange)
     bus.open[#bus.open + 1] = exchange
 end
 
-local function is_share(count, of, numerator, denominator)
-    return of >= LEAST and count * denominator >= of * numerator
+-- The direction that the mark of a frame states; nil without one, or before its node has both.
+local function by_mark(state, bus, possible, frame)
+    local seen = frame.mark and child(bus.marks, possible.request_node or possible.reply_node or frame[0])
+    if not seen then
+        return nil
+    end
+    seen[frame.mark] = true
+    if not (state.trusts_marks or seen.sent and seen.received) then
+        return nil
+    end
+    return (frame.mark == "sent") == (state.sent == "request") and "request" or "reply"
 end
 
--- The reply time in which nine of ten replies come.
-local function learn_latency(learned, edition, latency)
-    if not edition.reply_within then
-        return -- without a time in the spec, slow replies look like wrong pairs
-    end
-    learned.latencies[learned.count % LATENCIES + 1] = latency
-    learned.count = learned.count + 1
-    if learned.count % LEAST == 0 then
-        local sorted = {}
-        for number, time in ipairs(learned.latencies) do
-            sorted[number] = time
-        end
-        table.sort(sorted)
-        learned.reply_time = sorted[math.floor(#sorted * 9 / 10) + 1]
-    end
-end
-
--- Counts runs of equal frames of a node, and those with two frames for each.
-local function learn_copies(bus, key, possible, frame, result)
-    local learned, run = bus.learned, bus.learned.runs[key]
-    if run and is_same(run.frame, frame) and bus.clock - run.clock <= COPIED_WITHIN then
-        run.length, run.clock = run.length + 1, bus.clock
-        return false
-    end
-    if run then
-        local pair = run.length % 2 == 0 and 1 or 0
-        learned.all_runs, learned.all_pairs = learned.all_runs + 1, learned.all_pairs + pair
-        if run.direction == "request" then
-            learned.request_runs, learned.request_pairs = learned.request_runs + 1, learned.request_pairs + pair
-        end
-    end
-    local is_echo = possible.request ~= nil and possible.request.answer.echo
-    if result.message and not is_echo then
-        run = child(learned.runs, key)
-        run.frame, run.clock, run.length, run.direction = frame, bus.clock, 1, result.direction
-    else
-        learned.runs[key] = nil
-    end
-    local is_enough = learned.all_runs >= LEAST_IN_ALL and not learned.copied
-    if is_enough and (is_share(learned.request_pairs, learned.request_runs, 3, 4)
-        or is_share(learned.all_pairs, learned.all_runs, 3, 8)) then
-        learned.copied = true
-        return true
-    end
-    return false
-end
-
--- The most frequent reserved bits of replies without a request, if they are those of the request: half of them have these,
--- and others follow.
-local function constant_bits(request, replies)
-    local value, count, second = nil, 0, 0
-    for bits, number in pairs(replies.bits) do
-        if number > count then
-            value, count, second = bits, number, count
-        elseif number > second then
-            second = number
-        end
-    end
-    local is_usual = 3 * count >= replies.orphans and 2 * second < count and 2 * (replies.changes[value] or 0) >= count
-    local is_request = #request.layout.fields > 0 or 2 * (replies.seconds[value] or 0) < count
-    return not request.answer.echo and is_usual and is_request and value or nil
-end
-
--- Counts replies by content that answer no request: two in a row can be a request with old bits and its reply.
-local function learn_old_bits(bus, edition, key, request, frame, is_orphan)
-    local learned = bus.learned
-    local replies = learned.replies[request]
-    if not replies then
-        replies = { count = 0, orphans = 0, pairs = 0, bits = {}, changes = {}, seconds = {}, last = {} }
-        learned.replies[request] = replies
-    end
-    local bits = codec.reserved_bits(request, frame)
-    local before = replies.last[key]
-    if not before then
-        before = { clock = bus.clock - 5 * LONGEST, pause = 0, bits = "" }
-        replies.last[key] = before
-    end
-    local pause = bus.clock - before.clock
-    local is_change = is_orphan and before.is_orphan and (bits == before.bits) == request.answer.echo
-    local is_second = is_change and not before.is_second and pause > 0 and 2 * pause < before.pause
-    replies.count = replies.count + 1
-    if is_orphan then
-        replies.orphans = replies.orphans + 1
-        replies.bits[bits] = (replies.bits[bits] or 0) + 1
-        if is_change then
-            replies.changes[before.bits] = (replies.changes[before.bits] or 0) + 1
-        end
-    end
-    if is_second then
-        replies.pairs = replies.pairs + 1
-        replies.seconds[bits] = (replies.seconds[bits] or 0) + 1
-        learn_latency(learned, edition, pause)
-    end
-    before.clock, before.pause, before.bits, before.is_orphan, before.is_second = bus.clock, pause, bits, is_orphan, is_second
-    if learned.old[request] or replies.count % LEAST ~= 0 then
-        return false
-    end
-    local value = is_share(replies.orphans, replies.count, 1, 4) and constant_bits(request, replies) or nil
-    if value or is_share(replies.pairs, replies.count, 1, RARE) then
-        learned.old[request] = { value = value }
-        return true
-    end
-    return false
-end
-
--- Learns from a result, and for a reply from the exchange that it closes; whether it changes the results of earlier frames.
-local function learn(state, bus, edition, possible, frame, result, exchange)
-    local learned = bus.learned
-    local key = result.node or -1 - frame[0]
-    local changed = learn_copies(bus, key, possible, frame, result)
-    local is_certain = result.rule == "content" or result.rule == "id" or result.rule == "mark"
-    if result.direction ~= "reply" or not is_certain then
-        return changed
-    end
-    learned.certain = learned.certain + 1
-    learned.unexpected = learned.unexpected + (exchange and 0 or 1)
-    local late = not exchange and answered(state, bus, edition, frame, LONGEST)
-    if late and learned.certain >= LEAST_IN_ALL and is_share(learned.unexpected, learned.certain, 3, 4) then
-        if not late.request.answer.reply_within and #late.request.answer.nodes == 0 then
-            local before = learned.reply_time or 0
-            learn_latency(learned, edition, bus.clock - late.since)
-            changed = changed or (learned.reply_time or 0) > before
-        end
-    elseif exchange and #exchange.request.answer.nodes == 0 and exchange.request.frames == 1 and not exchange.request.answer.reply_within and result.latency then
-        learn_latency(learned, edition, result.latency)
-    end
-    local is_by_content = possible.request and result.rule == "content"
-    if is_by_content and learn_old_bits(bus, edition, key, possible.request, frame, not exchange and not late) then
-        changed = true
-    end
-    return changed
-end
-
--- Fills the result for a frame; what the frame can be, and the exchange that it closes.
+-- Fills the result for a frame.
 local function decide(state, bus, edition, only, frame, result)
     advance(bus, frame.time)
-    while bus.open[1] and bus.open[1].since + math.max(LONGEST, window_of(state, bus, bus.open[1].request)) < bus.clock do
+    while bus.open[1] and bus.open[1].since + window_of(state, bus.open[1].request) < bus.clock do
         table.remove(bus.open, 1)
     end
     local possible = candidates(state, edition, frame)
@@ -1238,24 +1072,15 @@ local function decide(state, bus, edition, only, frame, result)
     if #possible.replies > 0 then
         exchange, number, source, answer = answered(state, bus, edition, frame)
     end
-    local direction, rule
-    if frame.mark then
-        bus.marks[frame.mark] = true
-    end
-    if frame.mark and (state.trusts_marks or (bus.marks.sent and bus.marks.received)) then
-        rule = "mark"
-        if frame.mark == "sent" then
-            direction = state.sent
-        else
-            direction = state.sent == "request" and "reply" or "request"
-        end
-    elseif only then
+    local direction, rule = by_mark(state, bus, possible, frame), "mark"
+    if not direction then
         direction, rule = only, "id"
-    else
-        direction, rule = by_content(bus, possible, frame)
-        if not direction then
-            direction, rule = by_exchange(state, bus, edition, possible, exchange, frame)
-        end
+    end
+    if not direction then
+        direction, rule = by_content(possible, frame)
+    end
+    if not direction then
+        direction, rule = by_exchange(state, bus, edition, possible, exchange, frame)
     end
     if direction ~= "reply" then
         local request = possible.request
@@ -1274,11 +1099,11 @@ local function decide(state, bus, edition, only, frame, result)
                 result = result,
             })
         end
-        return possible
+        return
     end
     if not exchange then
         set_verdict(state, result, direction, rule, possible.reply, possible.reply_node, possible.reply_reason)
-        return possible
+        return
     end
     if source and exchange.answered then
         exchange.answered[source] = (exchange.answered[source] or 0) + 1
@@ -1291,81 +1116,23 @@ local function decide(state, bus, edition, only, frame, result)
         result.latency = bus.clock - exchange.since
     end
     exchange.result[#exchange.result + 1] = frame.number
+    local asked = exchange.result
+    if asked.rule == "assumed" and rule ~= "assumed" then -- its reply confirms it
+        set_verdict(state, asked, asked.direction, "pairing", asked.message, asked.node, asked.reason)
+    end
     exchange.missing = answer.frames == 0 and 0 or exchange.missing - 1
     if exchange.missing == 0 then
         table.remove(bus.open, number)
-    end
-    return possible, exchange
-end
-
--- Whether a frame is the copy of a request that was captured before; its result then has the verdict of the request.
-local function is_copy(state, bus, frame, result)
-    local latest = bus.latest[frame[0]]
-    bus.latest[frame[0]] = nil
-    if not latest or not is_same(latest.frame, frame) then
-        return false
-    end
-    advance(bus, frame.time)
-    if bus.clock - latest.clock > COPIED_WITHIN then
-        return false
-    end
-    local first = latest.result
-    set_verdict(state, result, first.direction, "copy", first.message, first.node, first.reason)
-    return true
-end
-
--- Fills the result for a frame; whether it changes the results of earlier frames.
-local function judge(state, bus, edition, only, frame, result)
-    if bus.learned.copied and is_copy(state, bus, frame, result) then
-        return false
-    end
-    local possible, exchange = decide(state, bus, edition, only, frame, result)
-    -- A request with old bits that are not known yet looks like a reply.
-    if bus.learned.copied and (result.direction == "request" or result.rule == "content") then
-        bus.latest[frame[0]] = { frame = frame, clock = bus.clock, result = result }
-    end
-    return learn(state, bus, edition, possible, frame, result, exchange)
-end
-
--- Decides on the first frames of a bus again, in the tables of their results.
-local function decide_again(state, name)
-    local known = state.buses[name].learned
-    local changed = true
-    while changed and known.rounds < MAX_ROUNDS do
-        changed = false
-        local learned = new_learned()
-        learned.rounds = known.rounds + 1
-        learned.history, learned.old, learned.copied = known.history, known.old, known.copied
-        learned.reply_time = known.reply_time
-        local bus = new_bus(learned)
-        state.buses[name] = bus
-        for _, past in ipairs(learned.history) do
-            for key in pairs(past.result) do
-                past.result[key] = nil
-            end
-            local is_new = judge(state, bus, past.edition, past.only, past.frame, past.result)
-            changed = changed or is_new
-        end
-        known = learned
     end
 end
 
 -- The result for a frame: `direction` ("request", "reply" or "unknown"), `rule`, `message`, `node` and `reason` without a
 -- message. That of a reply has the number of its `request` and the `latency` in ns; that of a request which
--- `expects_reply` lists the numbers of its replies. What later frames show can change an earlier result.
--- `only` is the direction of all frames with this id, or nil.
+-- `expects_reply` lists the numbers of its replies, which later frames add. `only` is the direction of all frames with this
+-- id, or nil.
 function directions.judge(state, name, edition, only, frame)
-    local bus, result = bus_of(state, name), {}
-    local changed = judge(state, bus, edition, only, frame, result)
-    local history = bus.learned.history
-    if history then
-        history[#history + 1] = { result = result, edition = edition, only = only, frame = frame }
-        if changed then
-            decide_again(state, name)
-        elseif #history >= LEARNED_FROM then
-            bus.learned.history = nil
-        end
-    end
+    local result = {}
+    decide(state, bus_of(state, name), edition, only, frame, result)
     return result
 end
 
@@ -8981,7 +8748,7 @@ for _, parameter in ipairs(family.parameters) do
 end
 prefs.marks = Pref.enum(
     "Use direction marks", 0, "Whether the direction that the capture file gives decides on requests and replies",
-    { { 1, "if a bus has both", 0 }, { 2, "always", 1 }, { 3, "never", 2 } }, false
+    { { 1, "if a node has both", 0 }, { 2, "always", 1 }, { 3, "never", 2 } }, false
 )
 prefs.sent = Pref.enum(
     "Frames marked as sent", 0, "Who sent the frames that the capture file marks as outbound",
@@ -9287,7 +9054,6 @@ local function parameters_of(node)
     return listed and listed.parameters or settings.parameters
 end
 
--- Adds what a frame means.
 -- Adds the checksum of a frame and whether it is correct.
 local function add_checksum(tree, tvb, message, frame)
     local field, found, computed = codec.checksum(message, frame)
@@ -9304,6 +9070,7 @@ local function add_checksum(tree, tvb, message, frame)
     end
 end
 
+-- Adds what a frame means.
 local function add_frame(tree, tvb, known, result, fields)
     local message = result.message
     tree:add(meta.edition, known.edition.name):set_generated()
@@ -9324,9 +9091,13 @@ local function add_frame(tree, tvb, known, result, fields)
     end
 end
 
-local function title_of(result)
+-- What a frame is. In the first pass, the reply that confirms a request is still to come.
+local function title_of(result, is_visited)
     local message = result.message
     local text = message and message.command .. " " .. message.direction or result.direction
+    if result.rule == "assumed" and (result.direction == "reply" or is_visited) then
+        text = text .. " (assumed)"
+    end
     return result.node and string.format("%s, node %d", text, result.node) or text
 end
 
@@ -9445,7 +9216,7 @@ local function dissect(tvb, pinfo, tree)
     local frame = read_frame(tvb, pinfo, id, is_extended_id, is_remote_frame)
     local result = result_of(frame, occurrence, pinfo, known)
     local fields, reason, rejection = decoded_fields(frame, result)
-    local remarks, title = remarks_of(result, fields, reason, pinfo, frame), title_of(result)
+    local remarks, title = remarks_of(result, fields, reason, pinfo, frame), title_of(result, pinfo.visited)
     if #remarks > 0 or tree:referenced(own_dissector) then
         local branch = tree:add(proto, tvb())
         add_frame(branch, tvb, known, result, fields)

@@ -28,10 +28,13 @@ BARS = {Loss(0.01): 0.1, Loss(0.1, has_retries=True): 0.3}
 """The allowed share of wrong directions without marks, in percent."""
 
 
-def wrong(spec: str, log: Sequence[Sent]) -> float:
-    """The share of wrong directions in percent."""
-    judged = judge(_edition(spec), [sent.recorded for sent in log])
-    count: int = sum(result.direction != sent.direction.value for result, sent in zip(judged, log, strict=True))
+def wrong(spec: str, log: Sequence[Sent], *, stated: bool = False) -> float:
+    """The share of wrong directions in percent; of those that are `stated`, not only assumed."""
+    judged = zip(judge(_edition(spec), [sent.recorded for sent in log]), log, strict=True)
+    count: int = sum(
+        result.direction != sent.direction.value and not (stated and result.rule == "assumed")
+        for result, sent in judged
+    )
     return 100 * count / len(log)
 
 
@@ -44,22 +47,29 @@ def test_directions_without_marks(spec: str, loss: Loss) -> None:
 
 @pytest.mark.parametrize(("name", "mix"), sampled([*itertools.product(motor_bus.SITUATIONS, motor_bus.MIXES)], 2))
 def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> None:
-    """What is learned later changes the results of the first frames, too."""
-    if mix == "control" and name == "old replies":
-        return  # neither bits nor times distinguish requests and replies
+    """Nothing is learned of them, so their frames can be wrong; but then their direction is only assumed."""
     log = motor_bus.MotorBus(mix, motor_bus.SITUATIONS[name], 1).frames(800)
-    is_hard = "retries" in name or "not recorded" in name or mix == "mixed"
-    assert wrong("spec/mwd_motor/v2.35.yaml", log) <= (6 if is_hard else 0.1)
+    is_hard = mix == "mixed" and ("doubled" in name or "reordered" in name)
+    assert wrong("spec/mwd_motor/v2.35.yaml", log, stated=True) <= (8 if is_hard else 0.1)
 
 
-def test_directions_with_marks_once_both_have_been_seen() -> None:
+@pytest.mark.parametrize("mix", motor_bus.MIXES)
+def test_few_directions_of_a_usual_bus_are_only_assumed(mix: str) -> None:
+    """Those of requests without reply, and none is wrong."""
+    log = motor_bus.MotorBus(mix, motor_bus.SITUATIONS["clean, 1 % lost"], 1).frames(800)
+    judged = judge(_edition("spec/mwd_motor/v2.35.yaml"), [sent.recorded for sent in log])
+    assert sum(result.rule == "assumed" for result in judged) <= len(log) / 100
+    assert wrong("spec/mwd_motor/v2.35.yaml", log) == 0
+
+
+def test_directions_with_marks_once_a_node_has_both() -> None:
     spec = "spec/mwd_motor/v2.35.yaml"
     log = with_marks(
         Traffic(_edition(spec), "mixed", 1, loss=Loss(0.1, has_retries=True, not_recorded=0.1)).frames(500)
     )
     judged = judge(_edition(spec), [sent.recorded for sent in log])
     marked = [(result, sent) for result, sent in zip(judged, log, strict=True) if result.rule == "mark"]
-    assert len(marked) > len(log) - 10
+    assert len(marked) > len(log) - 40
     assert all(result.direction == sent.direction.value for result, sent in marked)
 
 

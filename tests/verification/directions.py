@@ -36,7 +36,7 @@ def canwright(edition: Edition, log: Sequence[Sent]) -> Sequence[Direction | Non
 
 
 def wireshark(edition: Edition, log: Sequence[Sent]) -> Sequence[Direction | None]:
-    """The directions of the dissector, in one pass."""
+    """The directions of the dissector."""
     named = {direction.value: direction for direction in Direction}
     return [named.get(judged.direction) for judged in judge(edition, [sent.recorded for sent in log])]
 

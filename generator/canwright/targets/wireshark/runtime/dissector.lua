@@ -120,7 +120,7 @@ for _, parameter in ipairs(family.parameters) do
 end
 prefs.marks = Pref.enum(
     "Use direction marks", 0, "Whether the direction that the capture file gives decides on requests and replies",
-    { { 1, "if a bus has both", 0 }, { 2, "always", 1 }, { 3, "never", 2 } }, false
+    { { 1, "if a node has both", 0 }, { 2, "always", 1 }, { 3, "never", 2 } }, false
 )
 prefs.sent = Pref.enum(
     "Frames marked as sent", 0, "Who sent the frames that the capture file marks as outbound",
@@ -426,7 +426,6 @@ local function parameters_of(node)
     return listed and listed.parameters or settings.parameters
 end
 
--- Adds what a frame means.
 -- Adds the checksum of a frame and whether it is correct.
 local function add_checksum(tree, tvb, message, frame)
     local field, found, computed = codec.checksum(message, frame)
@@ -443,6 +442,7 @@ local function add_checksum(tree, tvb, message, frame)
     end
 end
 
+-- Adds what a frame means.
 local function add_frame(tree, tvb, known, result, fields)
     local message = result.message
     tree:add(meta.edition, known.edition.name):set_generated()
@@ -463,9 +463,13 @@ local function add_frame(tree, tvb, known, result, fields)
     end
 end
 
-local function title_of(result)
+-- What a frame is. In the first pass, the reply that confirms a request is still to come.
+local function title_of(result, is_visited)
     local message = result.message
     local text = message and message.command .. " " .. message.direction or result.direction
+    if result.rule == "assumed" and (result.direction == "reply" or is_visited) then
+        text = text .. " (assumed)"
+    end
     return result.node and string.format("%s, node %d", text, result.node) or text
 end
 
@@ -584,7 +588,7 @@ local function dissect(tvb, pinfo, tree)
     local frame = read_frame(tvb, pinfo, id, is_extended_id, is_remote_frame)
     local result = result_of(frame, occurrence, pinfo, known)
     local fields, reason, rejection = decoded_fields(frame, result)
-    local remarks, title = remarks_of(result, fields, reason, pinfo, frame), title_of(result)
+    local remarks, title = remarks_of(result, fields, reason, pinfo, frame), title_of(result, pinfo.visited)
     if #remarks > 0 or tree:referenced(own_dissector) then
         local branch = tree:add(proto, tvb())
         add_frame(branch, tvb, known, result, fields)
