@@ -134,7 +134,8 @@ EDITION_NAMES = (
     ),
     *("check_reply", "H", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
     *("SPEC", "SPEC_HASH", "EDITION", "REPLY_WITHIN_US", "PRINT_H", "print_request", "print_reply"),
-    *("selftest", "selftest_message", "selftest_t", "SELFTEST_H", "HPP"),
+    *("selftest", "selftest_message", "selftest_raws_t", "selftest_read", "selftest_same", "selftest_t", "SELFTEST_H"),
+    "HPP",
 )
 
 
