@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import gc
 import os
+import signal
 import sys
 from collections.abc import Iterator
 from importlib.util import find_spec
@@ -51,8 +52,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure() -> None:
     """Hides targets of other packages, collects garbage as the command line does, and loads each committed spec once
-    in a process: its edition is frozen."""
+    in a process: its edition is frozen. A shell that runs the tests in the background ignores interrupts, and programs
+    that the tests start and interrupt would never end."""
     hide()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)
     load = loader.specification
     load_once = functools.cache(load)

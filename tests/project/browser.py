@@ -40,8 +40,8 @@ def browser() -> Iterator[Browser]:
         launched.close()
 
 
-def expect(part: Locator) -> Any:
-    """Assertions about a part of a page, which wait until they hold."""
+def expect(part: Locator | Page) -> Any:
+    """Assertions about a page or a part of it, which wait until they hold."""
     from playwright.sync_api import expect as assertions
 
     return assertions(part)

@@ -120,9 +120,9 @@ def test_navigation_from_a_folder_and_below_a_sub_path(site: Path, address: str,
         page.goto(f"{start}/en/index.html")
         page.get_by_role("navigation", name="Pages").get_by_role("link", name="v2.36-2025-03").click()
         page.get_by_role("navigation", name="Pages").get_by_role("link", name="0xA1 Torque control").click()
-        assert page.title() == "0xA1 Torque control, v2.36-2025-03 · canwright"
+        expect(page).to_have_title("0xA1 Torque control, v2.36-2025-03 · canwright")
         path = page.get_by_role("navigation", name="Path").get_by_role("link")
-        assert path.all_inner_texts() == ["Home", "v2.36-2025-03", "Commands"]
+        expect(path).to_have_text(["Home", "v2.36-2025-03", "Commands"])
         page.get_by_role("link", name="Next").click()
         page.wait_for_url("**/set_speed.html")
         path.first.click()

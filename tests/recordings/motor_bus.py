@@ -33,19 +33,25 @@ REQUESTS: dict[int, tuple[int, ...]] = {
 ECHOED = (0x80, 0x88, 0x81, 0x31, 0x34)
 READS = (0x30, 0x33, 0x90, 0x92, 0x94, 0x9A, 0x9C, 0x9D)
 BROADCAST = 0x280
+LATE = (8 * MS, 12 * MS)
 MIXES = ("control", "polling", "mixed")
 """Control: 0xA1 to all motors, in cycles. Polling: one read after the other. Mixed: any command, broadcasts too."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Conditions:
-    """What happens on the bus. Times in ns; `lost` and `not_recorded` are shares."""
+    """What happens on the bus. Times in ns; `lost`, `late`, `reordered` and `not_recorded` are shares."""
 
     buffer: str = "clean"
     """`clean`, or where old bytes come from: `requests`, `replies` (one buffer for both), or `random` ones."""
     is_doubled: bool = False
     latency: tuple[int, int] = (50_000, 250_000)
     lost: float = 0.0
+    late: float = 0.0
+    """Replies after LATE; the host waits for them if it `waits`."""
+    waits: bool = True
+    reordered: float = 0.0
+    """Frames that the recorder wrote before the one that was sent before them, with their times."""
     retries: int = 0
     not_recorded: float = 0.0
     pause: tuple[int, int] = (10_000, 1 * MS)
@@ -76,6 +82,9 @@ class MotorBus:
                 clock += self._conditions.latency[1] + self._chance.randint(MS // 2, 2 * MS)
             clock += self._chance.randint(*self._conditions.pause)
         log = sorted(self._log, key=lambda event: event[0])
+        for at in range(1, len(log)) if self._conditions.reordered else ():
+            if self._chance.random() < self._conditions.reordered:
+                log[at - 1 : at + 1] = log[at], log[at - 1]
         return [self._logged(*event) for event in log if self._chance.random() >= self._conditions.not_recorded]
 
     def _next(self) -> list[CanFrame]:
@@ -111,8 +120,12 @@ class MotorBus:
                 if self._chance.random() >= self._conditions.lost:
                     code = 0xA1 if frame.id == BROADCAST else frame.data[0]
                     reply = CanFrame(0x140 + motor, self._reply(motor, code, frame.data))
-                    since = time + self._chance.randint(*self._conditions.latency)
-                    heapq.heappush(wanted, (since, next(numbers), reply, Direction.REPLY))
+                    is_late = self._conditions.late and self._chance.random() < self._conditions.late
+                    since = time + self._chance.randint(*(LATE if is_late else self._conditions.latency))
+                    if is_late and not self._conditions.waits:
+                        self._log.append((since, reply, Direction.REPLY))
+                    else:
+                        heapq.heappush(wanted, (since, next(numbers), reply, Direction.REPLY))
         return time, answered
 
     def _logged(self, time: int, frame: CanFrame, direction: Direction) -> Sent:
@@ -191,5 +204,9 @@ SITUATIONS: dict[str, Conditions] = {
     "slow, old requests": Conditions(latency=SLOW, buffer="requests"),
     "slow, doubled": Conditions(latency=SLOW, is_doubled=True),
     "slow, random bytes": Conditions(latency=SLOW, buffer="random"),
+    "10 % late": Conditions(late=0.1),
+    "10 % late, not awaited": Conditions(late=0.1, waits=False),
+    "3 % reordered": Conditions(reordered=0.03),
+    "10 % late, 3 % reordered": Conditions(late=0.1, waits=False, reordered=0.03),
     "1 ms": Conditions(latency=(300_000, 1 * MS)),
 }

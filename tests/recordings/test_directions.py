@@ -39,6 +39,14 @@ def judge(edition: Edition, recorded: Iterable[LogFrame], **options: object) -> 
     return list(Directions({}, edition, **options).classify(recorded))  # type: ignore[arg-type]
 
 
+def doubts_of(edition: Edition, recorded: Iterable[LogFrame], window: int | None = None) -> list[str]:
+    directions, summary = Directions({}, edition, window=window), Summary()
+    for row in RowReader(lambda *_: {}).rows(directions.classify(recorded)):
+        summary.add(row)
+    summary.finish()
+    return [*doubts(summary, directions.behaviours or {})]
+
+
 def wrong(edition: Edition, log: Sequence[Sent]) -> float:
     """The share of wrong directions in percent."""
     judged = judge(edition, [sent.recorded for sent in log])
@@ -226,10 +234,7 @@ def repeated(frames: Sequence[LogFrame], after: int) -> list[LogFrame]:
 def test_a_log_of_two_recorders(after: int) -> None:
     """Replies would be paired with requests of the other recorder."""
     log = [sent.recorded for sent in MotorBus("polling", motor_bus.SITUATIONS["clean"], 1).frames(500)]
-    directions, summary = Directions({}, MOTOR), Summary()
-    for row in RowReader(lambda *_: {}).rows(directions.classify(repeated(log, after))):
-        summary.add(row)
-    text = " ".join(doubts(summary, directions.behaviours or {}))
+    text = " ".join(doubts_of(MOTOR, repeated(log, after)))
     assert f"each frame is recorded twice, again after {after / 1e6:g} ms" in text
 
 
@@ -244,6 +249,46 @@ def test_a_log_of_one_recorder_is_not_taken_for_that_of_two(name: str, mix: str)
     for cycles in ([poll], [twice], toggling):
         assert repeated_after(in_cycles(*cycles * 50)) is None
     assert repeated_after(repeated(in_cycles(*toggling * 50), 12_000_000)) == 12_000_000
+
+
+def test_two_requests_at_once_are_both_answered() -> None:
+    """A host that does not wait for the reply; one that repeats a request waits for it."""
+    replies = "400 141#9A32081364000000, 600 141#9A32091364000000"
+    judged = judge(WITH_WRITES, in_cycles(*[f"0 141#9A00000000000000, 120 141#9A00000000000000, {replies}"] * 2))
+    assert [frame.request for frame in judged] == [None, None, 0, 1, None, None, 4, 5]
+    retried = "0 141#9A00000000000000, 600 141#9A00000000000000, 900 141#9A32081364000000"
+    assert [frame.request for frame in judge(WITH_WRITES, in_cycles(retried))] == [None, None, 1]
+
+
+def test_a_short_log_of_slow_replies_names_the_window() -> None:
+    cycle = "0 141#9A00000000000000, 4200 141#9A32081364000000"
+    assert doubts_of(WITH_WRITES, in_cycles(*[cycle] * 3)) == [
+        "can0: replies come after up to 4.2 ms: --window 5 pairs them"
+    ]
+    assert doubts_of(WITH_WRITES, in_cycles(*[cycle] * 3), window=5_000_000) == []
+
+
+def test_late_replies_are_a_reason_to_doubt() -> None:
+    soon, late = (f"0 141#9A00000000000000, {after} 141#9A32081364000000" for after in (300, 9_000))
+    (sentence,) = doubts_of(WITH_WRITES, in_cycles(*[*[soon] * 19, late] * 10))
+    assert sentence.startswith("can0: 10 of 200 replies answer no request in the log: ")
+    assert doubts_of(WITH_WRITES, in_cycles(*[soon] * 99, late)) == []
+
+
+def test_a_stream_of_many_nodes_is_learned_a_few_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not again for each node that completes its marks; these count from there."""
+    learn, counts = Directions.learn, list[int]()
+
+    def counting(self: Directions, start: Sequence[LogFrame]) -> object:
+        counts.append(len(start))
+        return learn(self, start)
+
+    monkeypatch.setattr(Directions, "learn", counting)
+    # Each reply could be a request, too.
+    polls = [f"0 {node:X}#9A00000000000000 T, 300 {node:X}#9A00000000000000 R" for node in range(0x141, 0x161)]
+    judged = judge(MOTOR, in_cycles(*polls, *polls), is_stream=True)
+    assert counts == [64, 128]
+    assert [frame.direction for frame in judged] == [Direction.REQUEST, Direction.REPLY] * 64
 
 
 def test_a_recorder_at_the_node_sends_replies() -> None:
@@ -360,9 +405,10 @@ def test_a_part_that_begins_with_a_frame_without_time() -> None:
 
 @pytest.mark.parametrize("mix", motor_bus.MIXES)
 @pytest.mark.parametrize("name", motor_bus.SITUATIONS)
-def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> None:
+@pytest.mark.parametrize("seed", [1, 2])
+def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str, seed: int) -> None:
     """Directions are correct, or a sentence states the reason for doubt."""
-    log = MotorBus(mix, motor_bus.SITUATIONS[name], 1).frames(1200)
+    log = MotorBus(mix, motor_bus.SITUATIONS[name], seed).frames(1200)
     directions, summary = Directions({}, MOTOR), Summary()
     judged = list(directions.classify(sent.recorded for sent in log))
     for row in RowReader(lambda *_: {}).rows(judged):
@@ -370,14 +416,16 @@ def test_hosts_recorders_and_motors_of_any_behaviour(name: str, mix: str) -> Non
     summary.finish()
     share = sum(frame.direction is not sent.direction for frame, sent in zip(judged, log, strict=True)) / len(log)
     doubtful = list(doubts(summary, directions.behaviours or {}))
-    assert bool(doubtful) is ("old" in name or "random" in name)
+    is_disturbed = any(word in name for word in ("late", "reordered", "not recorded"))
+    if not is_disturbed or "not recorded" in name:
+        assert bool(doubtful) is (is_disturbed or "old" in name or "random" in name)
     if not doubtful:
-        assert share <= (0.03 if "not recorded" in name or "retries" in name else 0.0005), share
+        assert share <= (0.03 if "retries" in name else 0.001 if is_disturbed else 0.0005), share
         replies = sum(sent.direction is Direction.REPLY for sent in log)
         assert sum(frame.request is not None for frame in judged) > 0.85 * replies
         assert sum(frame.is_late for frame in judged) < 0.01 * replies
     elif mix != "control":
-        assert share <= 0.01, share
+        assert share <= (0.015 if is_disturbed else 0.01), share
     copies = sum(frame.decided_by is DecidedBy.COPY for frame in judged)
     assert copies == (sum(sent.direction is Direction.REQUEST for sent in log) // 2 if "doubled" in name else 0)
 

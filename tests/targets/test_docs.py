@@ -354,6 +354,14 @@ def test_questions_of_a_family_do_not_link_commands_of_another_one(tmp_path: Pat
     assert {*links} == {"mwd_motor-v2.35/commands/motor_stop.md"}
 
 
+def test_a_question_links_a_command_with_its_code_in_each_edition() -> None:
+    text = (ROOT / "generated/docs/en/questions.md").read_text("utf-8")
+    assert (
+        "- `0xB0` `read_control_parameter`: [v2.35-2024-02](v2.35-2024-02/commands/read_control_parameter.md)\n" in text
+    )
+    assert "- `0xC0` `read_control_parameter`: [v2.36-2024-11](v2.36-2024-11/commands/" in text
+
+
 def test_a_frame_is_written_as_can_utils_take_it() -> None:
     """They recognise a 29-bit id by its eight digits."""
     page_of_frame: dict[tuple[str, str], str] = {}

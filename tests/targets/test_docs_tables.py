@@ -9,7 +9,7 @@ import pytest
 from canwright.project.loader import specification
 from canwright.targets.docs.target import DocsTarget
 
-from ..spec_texts import MINIMAL
+from ..spec_texts import MINIMAL, ROOT
 
 TABLE = (
     MINIMAL.replace(
@@ -159,3 +159,43 @@ def test_a_command_that_moves_says_what_stops(tmp_path: Path) -> None:
     texts = {output.path: output.text for output in DocsTarget().generate([specification(spec)], {})}
     assert "\nTo stop the motion: [0x12 Halt](halt.md)\n" in texts["en/v1/commands/dim.md"]
     assert "To stop the motion" not in texts["en/v1/commands/halt.md"]
+
+
+def test_a_command_of_a_mode_in_which_nothing_stops_names_no_stop() -> None:
+    """The manual of v2.35 excludes single-motor commands beside the broadcast."""
+    assert "motor_stop.md" not in _committed("v2.35/commands/broadcast_torque.md")
+    assert "To stop the motion: [0x81 Motor stop]" in _committed("v2.35/commands/set_torque.md")
+
+
+@pytest.mark.parametrize(
+    ("page", "change"),
+    [
+        ("v2.36-2025-03/commands/set_zero_ram.md", "the code of `set_angle` (0x95) now means `set_zero_ram`"),
+        ("v2.35-2024-02/commands/set_angle.md", "the code of `clear_angle` (0x95) now means `set_angle`"),
+        ("v2.36-2024-11/commands/read_control_parameter.md", "the code is 0xC0 (was 0xB0)"),
+        ("v2.36-2025-03/commands/read_control_parameter.md", "the index 0x22 now means `upper_angle`"),
+        ("v2.36-2025-03/commands/stage_stored_setting.md", "`stage_stored_setting` (0x42) is added"),
+        ("v2.36-2024-11/commands/motor_off.md", "the reply id is `0x180 + node` (was `0x140 + node`)"),
+        ("v2.35-2024-02/commands/read_encoder.md", "the value `18` of `encoder_bits` is removed"),
+    ],
+)
+def test_a_command_has_the_changes_of_what_it_uses_and_of_its_predecessor(page: str, change: str) -> None:
+    text = _committed(page)
+    assert "\n## Changes since " in text and f": {change}" in text
+
+
+def test_a_command_without_changes_says_so() -> None:
+    sentence = "\nThis command has no changes since [v2.36-2024-11](../changes.md).\n"
+    assert sentence in _committed("v2.36-2025-03/commands/motor_off.md")
+
+
+def test_commands_that_changed_are_marked_and_new_ones_are_not() -> None:
+    rows = {line.split("`")[1]: line for line in _committed("support.md").splitlines() if line.startswith("| `")}
+    cells = {name: [cell.endswith("*changed* ") for cell in row.split("|")[2:6]] for name, row in rows.items()}
+    assert cells["motor_off"] == [False, False, True, False]
+    assert cells["set_zero_ram"] == [False, False, False, True]
+    assert cells["read_stored_setting"] == cells["calibrate_encoder"] == [False] * 4
+
+
+def _committed(page: str) -> str:
+    return (ROOT / "generated/docs/en" / page).read_text("utf-8")

@@ -353,7 +353,7 @@ class ClientCore:
             error = ConsentError(f'{reason}. To allow this, write {where}request(..., allow="{consent}")')
             error.reason, error.consent = reason, consent
             raise error
-        if request.ONLY:
+        if request.ONLY and request.parameters != node.parameters:
             request.replace(parameters=node.parameters)  # rejected where the node lacks the command
         if type(request) not in node.edition.client_facts.ends_motion.values():
             _check_replies(node, type(request))

@@ -1796,7 +1796,9 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
 
     Effects: The motor moves.
 
-    The ids of the motors must be 1 to 4, each id once.
+    The ids of the motors must be 1 to 4, each id once. Commands for a single motor, motor stop included,
+    cannot be used at the same time. Torque currents of 0 end the torque of all four motors, which releases a
+    load that they hold.
     """
 
     __slots__ = ()

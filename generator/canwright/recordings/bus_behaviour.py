@@ -27,7 +27,8 @@ class Behaviour(NamedTuple):
     twice. `reply_time` is the time in ns within which nine of ten replies come, None if unknown. `old_bits` are requests
     of a host that leaves old bytes in its transmit buffer. `only` is the direction of all frames, if the log lacks those of
     the other. `resolution` is that of the times in ns, by which a latency is uncertain. `repeated_after` is the time in ns
-    after which each frame is recorded again, as by a second recorder; None if it is not.
+    after which each frame is recorded again, as by a second recorder; None if it is not. `slowest` is the longest time of
+    a reply beyond the window, in a log with too few replies to learn from; None with more.
     """
 
     is_marked: bool = False
@@ -38,12 +39,13 @@ class Behaviour(NamedTuple):
     only: Direction | None = None
     resolution: int = 1
     repeated_after: int | None = None
+    slowest: int | None = None
 
     @property
     def certain(self) -> Behaviour:
         """What is known without a doubt: the marks, the copies, and old bits that do not vary."""
         old_bits = tuple(bits for bits in self.old_bits if bits.value is not None)
-        return self._replace(reply_time=None, only=None, old_bits=old_bits, resolution=1)
+        return self._replace(reply_time=None, only=None, old_bits=old_bits, resolution=1, slowest=None)
 
     def old_bits_of(self, request: Message) -> OldBits | None:
         """The old bits of a request, if it has any."""

@@ -15,11 +15,9 @@ from collections import Counter
 from collections.abc import Sequence
 
 from ..model.edition import Edition
-from .bus_behaviour import COPIED_WITHIN
 from .log_frame import LogFrame, Mark
 from .results import Place
-from .scoring import ScoredClass
-from .steps import Repetition, State, Step
+from .steps import Repetitions, State, Step
 from .tally import Seen, Tally, merge
 
 BLOCK = 64
@@ -63,6 +61,7 @@ class NodeFrames:
         self.number = number
         self.state = state
         self.marks: set[Mark] = set()
+        self.repetitions = Repetitions()
         self.recent: list[Arrival] = []
         """Frames that are not examined yet."""
         self.tallies = [Tally(editions)]
@@ -74,9 +73,6 @@ class NodeFrames:
         self._editions = editions
         self._before: Arrival | None = None
         """The last frame that is examined."""
-        self._latest: LogFrame | None = None
-        self._equal = 0
-        """The number of frames before the latest that it repeats."""
         self._noise = 0
         self._points = [0] * len(editions)
         self._divisions = [_Division() for _ in editions]
@@ -85,20 +81,6 @@ class NodeFrames:
     def total(self) -> int:
         """The number of all frames."""
         return self.frames + len(self.recent)
-
-    def repetition(self, recorded: LogFrame, kind: ScoredClass) -> Repetition | None:
-        """The place of the next frame among equal ones, one soon after the other."""
-        before, self._latest = self._latest, recorded
-        if before is None or not kind.is_same(recorded.frame, before.frame):
-            self._equal = 0
-            return None
-        is_soon = (
-            recorded.time is not None and before.time is not None and 0 <= recorded.time - before.time <= COPIED_WITHIN
-        )
-        self._equal = self._equal + 1 if is_soon else 0
-        if not self._equal:
-            return None
-        return Repetition.SECOND if self._equal % 2 else Repetition.THIRD
 
     def examine(self) -> None:
         """Counts the recent frames, and divides the log where the edition has changed."""

@@ -60,8 +60,8 @@ _Marks = dict[tuple[str, int | None], set[Mark | None]]
 """The marks of the frames of each node of each bus."""
 _WINDOWS = (None, 20_000_000, 200_000_000)
 """The windows in ns that are tried while the behaviour is learned."""
-_LEARNED_FROM = 64
-"""The number of frames of a stream from which its behaviour is learned first; later from 4 times as many each time."""
+_LEARNED_AT = (64, 256, 1024)
+"""The numbers of frames of a stream from which its behaviour is learned before LOOKED_AHEAD."""
 _ROUNDS = 3
 """How often behaviour is learned: copies hide old bits, and these hide reply times."""
 UNTIMED = 64
@@ -305,27 +305,28 @@ class Directions:
         return _released(self._held)
 
     def _learning(self, recorded: Iterable[LogFrame]) -> Iterator[LogFrame]:
-        """The frames of a stream; the behaviour is learned while they pass, and where a node first has both marks.
+        """The frames of a stream; the behaviour is learned while they pass, and marks count where a node first has both.
 
         Before, of each node only the mark of its first frame counts, if that is sent.
         """
         start: list[LogFrame] = []
-        iterator, due = iter(recorded), _LEARNED_FROM
+        iterator = iter(recorded)
         marks: _Marks = {}
         for frame in itertools.islice(iterator, LOOKED_AHEAD):
             start.append(frame)
             count = len(marks)
-            if self._completes_marks(frame, marks) or len(start) == due:
+            is_complete = self._completes_marks(frame, marks)
+            if len(start) in _LEARNED_AT:
                 self._behave(self.learn(start))
-            due *= 4 if len(start) == due else 1
             learned = self.behaviours or {}
             known = learned.get(frame.bus, Behaviour())
-            if frame.mark is Mark.SENT and len(marks) > count and not known.is_marked:
-                self._behave({**learned, frame.bus: known._replace(is_marked=True)})
-                yield frame
+            is_first = frame.mark is Mark.SENT and len(marks) > count and not known.is_marked
+            if is_complete or is_first:
+                marked = known._replace(is_marked=True, unmarked=_unmarked(marks, frame.bus))
+                self._behave({**learned, frame.bus: marked})
+            yield frame
+            if is_first and not is_complete:
                 self._behave(learned)
-            else:
-                yield frame
         self._behave(self.learn(start))
         yield from iterator
 
@@ -358,8 +359,11 @@ class Directions:
                 break
             known = certain
         for bus, own in learned.items():
+            repeated = None
             if len(own.copied) < len(Direction):
-                learned[bus] = own._replace(repeated_after=repeated_after(f for f in start if f.bus == bus))
+                repeated = repeated_after(f for f in start if f.bus == bus)
+            slowest = own.slowest if own.slowest and own.slowest > self._bus_window(own) else None
+            learned[bus] = own._replace(repeated_after=repeated, slowest=slowest)
         return learned
 
     def _observed(self, start: Sequence[LogFrame], known: Mapping[str, Behaviour]) -> dict[str, Observed]:
@@ -378,12 +382,10 @@ class Directions:
         return best
 
     def _marked(self, start: Iterable[LogFrame]) -> dict[str, Behaviour]:
-        """The buses on which marks count, and the nodes to which nothing is sent, though each sent frame is for one node."""
+        """The buses on which marks count."""
         marks: _Marks = {}
         buses = {frame.bus for frame in start if self._completes_marks(frame, marks)}
-        to_all = {bus for (bus, node), own in marks.items() if node is None and Mark.SENT in own}
-        received = {place for place, own in marks.items() if Mark.SENT not in own and place[0] not in to_all}
-        return {bus: Behaviour(True, frozenset(node for of, node in received if of == bus)) for bus in buses}
+        return {bus: Behaviour(is_marked=True, unmarked=_unmarked(marks, bus)) for bus in buses}
 
     def _completes_marks(self, frame: LogFrame, marks: _Marks) -> bool:
         """Adds the mark of a frame to those of the nodes of its id; returns whether one now has both."""
@@ -579,14 +581,18 @@ class Directions:
         return _directed(arrived, Direction.REQUEST, decided_by, own.request.node, own.request.message)
 
     def _open(self, exchange: _Exchange) -> None:
-        """Opens an exchange; it replaces earlier ones of the command, unless they wait for an echo of other bytes."""
+        """Opens an exchange; it replaces earlier ones of the command, unless they wait for an echo of other bytes, or a reply
+        could not come so soon: then a host asks again without waiting, and both are answered.
+        """
         bus, own, frame = exchange.request.bus, exchange.rule.frame_class, exchange.request.recorded.frame
         before = bus.open.get(exchange.channel)
         if before:
             replaced = [
                 earlier
                 for earlier in before
-                if earlier.rule.frame_class is own and (not own.is_echoed or earlier.request.recorded.frame == frame)
+                if earlier.rule.frame_class is own
+                and (not own.is_echoed or earlier.request.recorded.frame == frame)
+                and not self._is_further(exchange, earlier)
             ]
             for earlier in replaced:
                 self._decide_pending(earlier)
@@ -597,6 +603,12 @@ class Directions:
         else:
             bus.open[exchange.channel] = [exchange]
         bus.until = max(bus.until, exchange.until)
+
+    @staticmethod
+    def _is_further(exchange: _Exchange, earlier: _Exchange) -> bool:
+        """Whether a request follows another one so soon that it does not repeat it."""
+        pause = exchange.request.clock - earlier.request.clock
+        return earlier.rule.is_distinct and not earlier.waiting and pause < earlier.rule.within // 2
 
     def _reply(self, arrived: PendingFrame, decided_by: DecidedBy, answered: _Answered | None) -> DirectedFrame:
         own, recorded = arrived.known.rule.frame_class, arrived.recorded
@@ -699,6 +711,13 @@ class Directions:
         return edition is self._default or any(
             each is edition and where == bus for (where, _), each in (*self._editions.items(), *self._changed.items())
         )
+
+
+def _unmarked(marks: _Marks, bus: str) -> frozenset[int | None]:
+    """The nodes to which nothing is sent, though each sent frame is for one node."""
+    own = {node: of_node for (of, node), of_node in marks.items() if of == bus}
+    to_all = Mark.SENT in own.get(None, ())
+    return frozenset(node for node, of_node in own.items() if Mark.SENT not in of_node and not to_all)
 
 
 def _released(held: deque[PendingFrame | DirectedFrame]) -> Iterator[DirectedFrame]:

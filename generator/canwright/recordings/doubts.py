@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
@@ -13,6 +14,8 @@ from .two_recorders import two_recorders
 
 _LEAST = 8
 """The number of replies from which a share of unexpected ones is taken."""
+_FEW = 128
+"""One unexpected reply of so many is a reason to doubt directions that are inferred: other frames are late or reordered, too."""
 _SHOWN = 3
 """The number of commands that are listed."""
 _PLURALS = {Direction.REQUEST: "requests", Direction.REPLY: "replies"}
@@ -32,7 +35,11 @@ def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[st
     for bus, count in replies.items():
         where = f"{bus}: " if bus else ""
         behaviour = behaviours.get(bus, Behaviour())
-        if count >= _LEAST and 4 * unexpected[bus] > count:
+        limit = _FEW if inferred[bus] and unexpected[bus] >= _LEAST else 4
+        if behaviour.slowest is not None and inferred[bus] and unexpected[bus]:
+            milliseconds = math.ceil(behaviour.slowest * 1.1 / 1_000_000)
+            yield f"{where}replies come after up to {behaviour.slowest / 1_000_000:g} ms: --window {milliseconds} pairs them"
+        elif count >= _LEAST and limit * unexpected[bus] > count:
             causes = ["it lacks requests", "replies take longer than --window"]
             if inferred[bus]:
                 causes.insert(1, "the host sets reserved bits")

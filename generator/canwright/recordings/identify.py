@@ -26,7 +26,7 @@ from .changes import BLOCK, NodeFrames
 from .log_frame import LogFrame, Mark
 from .results import Identification, NodeResult
 from .scoring import Observation, ScoredClass, ScoredClasses
-from .steps import Repetition, State, Step, Waiting, meaning
+from .steps import Circumstances, Repetition, State, Step, Waiting, meaning
 
 MAX_KNOWN = 1 << 16
 """The maximum number of ids, and of steps between two states, that are remembered."""
@@ -104,7 +104,7 @@ class Identifier:
         node = self._nodes.get((bus, node_number)) or self._frames_of(bus, node_number)
         observation = kind.observation(id_, content)
         direction = self._direction(node, mark) if mark is not None else None
-        repetition = node.repetition(recorded, kind)
+        repetition = node.repetitions.place(recorded, kind)
         known = observation if direction is None and repetition is None else (observation, direction, repetition)
         step = node.state.steps.get(known) or self._step(node, observation, direction, repetition)
         node.state = step.then
@@ -193,8 +193,9 @@ class Identifier:
             self._states.clear()
             self._steps = 0
         state = self._state(node.state.waiting)
+        circumstances = Circumstances(direction, repetition, node.number is not None)
         meanings = [
-            meaning(edition, waiting, interpretations, direction, repetition, has_number=node.number is not None)
+            meaning(edition, waiting, interpretations, circumstances)
             for edition, waiting, interpretations in zip(
                 self.editions, state.waiting, observation.by_edition, strict=True
             )

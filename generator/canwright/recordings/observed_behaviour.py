@@ -234,6 +234,7 @@ class Observed:
                 ordered = sorted(ordered + self._of_request[bits.request].times)
         return known._replace(
             reply_time=ordered[len(ordered) * 9 // 10] if len(ordered) >= _LEAST else None,
+            slowest=ordered[-1] if 0 < len(ordered) < _LEAST else None,
             old_bits=tuple(old),
             only=None if old else self.only,
         )

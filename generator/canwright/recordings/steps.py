@@ -12,7 +12,9 @@ from ..model.edition import Edition
 from ..model.message import Direction
 from ..semantics.exchange import repeats_request
 from ..semantics.plan import message_plan
+from .bus_behaviour import COPIED_WITHIN
 from .checks import STRONG, Reason
+from .log_frame import LogFrame
 from .scoring import Interpretation, Observation, ScoredClass, reply_rule
 
 MAX_OPEN = 4
@@ -26,6 +28,29 @@ class Repetition(Enum):
     """A copy of a request, or a reply with its bytes."""
     THIRD = "third"
     """A reply with the bytes of a request and of its copy, or the request again."""
+
+
+class Repetitions:
+    """Finds equal frames of a node, one soon after the other."""
+
+    def __init__(self) -> None:
+        self._latest: LogFrame | None = None
+        self._equal = 0
+        """The number of frames before the latest that it repeats."""
+
+    def place(self, recorded: LogFrame, kind: ScoredClass) -> Repetition | None:
+        """The place of the next frame of the node."""
+        before, self._latest = self._latest, recorded
+        if before is None or not kind.is_same(recorded.frame, before.frame):
+            self._equal = 0
+            return None
+        is_soon = (
+            recorded.time is not None and before.time is not None and 0 <= recorded.time - before.time <= COPIED_WITHIN
+        )
+        self._equal = self._equal + 1 if is_soon else 0
+        if not self._equal:
+            return None
+        return Repetition.SECOND if self._equal % 2 else Repetition.THIRD
 
 
 class Open(NamedTuple):
@@ -42,6 +67,14 @@ Waiting = tuple[Open, ...]
 
 Arrived = Observation | tuple[Observation, Direction | None, Repetition | None]
 """A frame, with its direction if it is known, and its place among equal frames."""
+
+
+class Circumstances(NamedTuple):
+    """What is known of a frame beside its bytes; `has_number` if its node is known."""
+
+    direction: Direction | None
+    repetition: Repetition | None
+    has_number: bool
 
 
 class State:
@@ -104,86 +137,100 @@ class Step:
 
 
 def meaning(
-    edition: Edition,
-    waiting: Waiting,
-    interpretations: Sequence[Interpretation],
-    direction: Direction | None,
-    repetition: Repetition | None,
-    *,
-    has_number: bool,
+    edition: Edition, waiting: Waiting, interpretations: Sequence[Interpretation], circumstances: Circumstances
 ) -> Meaning:
     """The interpretation of a frame with the fewest points against it, after requests that wait for replies.
 
     After a request, what is not the same request again is its reply.
     """
-    repeated = repetition and _repeated(edition, waiting, interpretations, direction, repetition)
-    if repeated:
-        return repeated
-    if direction is not None:
-        interpretations = _of_direction(interpretations, direction)
+    direction, repetition, has_number = circumstances
     request = min((each for each in interpretations if each.is_request), key=_points, default=None)
     answers = [
-        (each, open_)
+        _Answer(each, open_)
         for each in interpretations
         if not each.is_request
         for open_ in waiting
         if any(reply.message is each.message for reply in edition.command(open_.command).replies)
     ]
-    is_regular = request is not None and (
-        not request.reasons or (bool(answers) and all(_reserves_too(request, reply) for reply, _ in answers))
-    )
-    if answers and (not is_regular or _is_like_a_reply(edition, request)):
-        reply, answered = min(answers, key=lambda item: item[0].points)
-        remaining = tuple(open_ for open_ in waiting if open_ is not answered)
-        has_further = edition.command(answered.command).has_several_frames
-        return Meaning(reply, (*remaining, answered._replace(is_answered=True)) if has_further else remaining)
-    if request is not None and not is_regular and len(interpretations) == 1:
-        message = request.message
-        assert message is not None
-        if message.command in (open_.command for open_ in waiting) and (rule := reply_rule(edition, message)):
-            text = f"{formatting.id_rule(message.id)} has a reply of {message.command}{rule}"
-            return Meaning(Interpretation(message.name, message, (Reason(STRONG, text),)), waiting)
-    best = request if is_regular else min(interpretations, key=_points_and_direction)
-    assert best is not None
-    message = best.message
-    if message is None or best.points >= STRONG:
+    if request is not None and repetition is not None:
+        repeated = _repeated(edition, waiting, request, answers, circumstances)
+        if repeated is not None:
+            return repeated
+    if direction is not None:
+        interpretations = _of_direction(interpretations, direction)
+        request, answers = (request, []) if direction is Direction.REQUEST else (None, answers)
+    regular = request if request is not None and _is_regular(request, answers) else None
+    if answers and (regular is None or _is_like_a_reply(edition, regular)):
+        return _answering(edition, waiting, answers)
+    best = regular or min(interpretations, key=_points_and_direction)
+    if regular is None and best is request and len(interpretations) == 1:
+        best = _with_the_id_of_requests(edition, waiting, best)
+    if best.message is None or best.points >= STRONG:
         return Meaning(best, waiting)
-    if message.direction is Direction.REPLY:
-        return Meaning(best, waiting, is_unrequested=edition.command(message.command).only_answers)
-    reply_message = edition.command(message.command).reply
-    if reply_message is None or (not has_number and reply_message.id.nodes is not None):
+    command = edition.command(best.message.command)
+    if not best.is_request:
+        return Meaning(best, waiting, is_unrequested=command.only_answers)
+    if command.reply is None or (not has_number and command.reply.id.nodes is not None):
         return Meaning(best, waiting)
-    opened = Open(message.command, not any(not each.is_request and not each.points for each in interpretations))
-    replaced = next((open_ for open_ in waiting if open_.command == opened.command), None)
-    kept = tuple(open_ for open_ in waiting if open_ is not replaced)
-    unanswered = replaced or (kept[0] if len(kept) >= MAX_OPEN else None)
-    if unanswered is not None and unanswered.is_answered:
-        unanswered = None
-    return Meaning(best, (*kept[1 - MAX_OPEN :], opened), opened, unanswered)
+    is_certain = not any(not each.is_request and not each.points for each in interpretations)
+    return _opening(waiting, best, Open(command.name, is_certain))
+
+
+class _Answer(NamedTuple):
+    """A reply that a frame can be, and the request that it answers."""
+
+    reply: Interpretation
+    asked: Open
 
 
 def _repeated(
     edition: Edition,
     waiting: Waiting,
-    interpretations: Sequence[Interpretation],
-    direction: Direction | None,
-    repetition: Repetition,
+    request: Interpretation,
+    answers: Sequence[_Answer],
+    circumstances: Circumstances,
 ) -> Meaning | None:
     """What a frame with the bytes of an open request is: its reply, or a copy of it; None if neither.
 
     It may be the copy of a request whose reply has the same bytes, so that the request waits further.
     """
-    request = min((each for each in interpretations if each.is_request), key=_points, default=None)
-    open_ = next((o for o in waiting if request and request.message and o.command == request.message.command), None)
-    if request is None or open_ is None:
+    assert request.message is not None
+    command = edition.command(request.message.command)
+    asked = next((each for each in waiting if each.command == command.name), None)
+    if asked is None:
         return None
-    replies = edition.command(open_.command).replies
-    equal = [i for i in interpretations if not i.points and any(reply.message is i.message for reply in replies)]
-    is_likely = direction is Direction.REPLY or (direction is None and repeats_request(edition.command(open_.command)))
-    if equal and is_likely:
-        kept = () if open_.is_answered else (open_._replace(is_answered=True),)
-        return Meaning(equal[0], (*(each for each in waiting if each is not open_), *kept))
-    return Meaning(request, waiting) if repetition is Repetition.SECOND else None
+    equal = next((answer.reply for answer in answers if answer.asked is asked and not answer.reply.points), None)
+    direction = circumstances.direction
+    if equal and (repeats_request(command) if direction is None else direction is Direction.REPLY):
+        kept = () if asked.is_answered else (asked._replace(is_answered=True),)
+        return Meaning(equal, (*(each for each in waiting if each is not asked), *kept))
+    return Meaning(request, waiting) if circumstances.repetition is Repetition.SECOND else None
+
+
+def _answering(edition: Edition, waiting: Waiting, answers: Sequence[_Answer]) -> Meaning:
+    """The best of the replies, with which its request waits no longer, or for further ones."""
+    reply, asked = min(answers, key=lambda answer: answer.reply.points)
+    further = (asked._replace(is_answered=True),) if edition.command(asked.command).has_several_frames else ()
+    return Meaning(reply, (*(each for each in waiting if each is not asked), *further))
+
+
+def _opening(waiting: Waiting, request: Interpretation, opened: Open) -> Meaning:
+    """A request that waits for its replies; that of the same command, or the oldest of too many, waits no longer."""
+    replaced = next((each for each in waiting if each.command == opened.command), None)
+    kept = tuple(each for each in waiting if each is not replaced)
+    ended = replaced or (kept[0] if len(kept) >= MAX_OPEN else None)
+    unanswered = None if ended is None or ended.is_answered else ended
+    return Meaning(request, (*kept[1 - MAX_OPEN :], opened), opened, unanswered)
+
+
+def _with_the_id_of_requests(edition: Edition, waiting: Waiting, best: Interpretation) -> Interpretation:
+    """Against a request with reasons against it: it can be the reply to one before, but has another id."""
+    assert best.message is not None
+    command, rule = best.message.command, reply_rule(edition, best.message)
+    if not rule or all(each.command != command for each in waiting):
+        return best
+    text = f"{formatting.id_rule(best.message.id)} has a reply of {command}{rule}"
+    return Interpretation(best.message.name, best.message, (Reason(STRONG, text),))
 
 
 def _points(interpretation: Interpretation) -> int:
@@ -209,14 +256,17 @@ def _of_direction(interpretations: Sequence[Interpretation], direction: Directio
     return [Interpretation(first.kind, None, (Reason(STRONG, text),))]
 
 
-def _reserves_too(request: Interpretation, reply: Interpretation) -> bool:
-    """Whether all that speaks against a request are bits that the reply reserves too, so that they decide nothing."""
-    of_reply = [reason.byte for reason in reply.reasons]
-    return all(reason.byte is not None and reason.byte in of_reply for reason in request.reasons)
+def _is_regular(request: Interpretation, answers: Sequence[_Answer]) -> bool:
+    """Whether nothing speaks against a request but bits that the replies reserve too, so that they decide nothing."""
+    undecided = [{reason.byte for reason in answer.reply.reasons} for answer in answers]
+    return not request.reasons or (
+        bool(undecided)
+        and all(reason.byte is not None and reason.byte in own for reason in request.reasons for own in undecided)
+    )
 
 
-def _is_like_a_reply(edition: Edition, request: Interpretation | None) -> bool:
-    """Whether a reply can equal the request: it is an echo, or the request has no reserved bit."""
-    assert request is not None and request.message is not None
+def _is_like_a_reply(edition: Edition, request: Interpretation) -> bool:
+    """Whether a reply to a request has its bytes whenever it comes: it is an echo, or the request has no reserved bit."""
+    assert request.message is not None
     message = request.message
     return edition.command(message.command).is_echoed or not message_plan(message).reserved.mask

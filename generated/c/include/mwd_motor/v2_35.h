@@ -3707,6 +3707,9 @@ static inline canwright_status_t mwd_motor_v2_35_read_status_3_reply_decode(
  *
  * The ids of the motors must be 1 to 4, each id once.
  *
+ * Commands for a single motor, motor stop included, cannot be used at the same time. Torque currents of 0 end the
+ * torque of all four motors, which releases a load that they hold.
+ *
  * Erratum (3.1): The replies are those of the torque command for one motor, but their first byte is not printed. Used
  * here: The reply of 0xA1, including the first byte. This is the most direct interpretation. The broadcast has no
  * command byte that a reply could repeat.

@@ -181,7 +181,7 @@ class Common:
                 "following": following[0] if following else None,
                 "errata": errata,
                 "shared_errata": [e.id for e in errata if not {*self.touched[e.id]} <= {c.name for c in group}],
-                "stops": [] if first.ends_motion or not _moves(first) else stops,
+                "stops": [s for s in stops if s.mode == first.mode and _moves(first) and not first.ends_motion],
             }
             forms = [
                 Form(

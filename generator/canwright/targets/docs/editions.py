@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple
 
 from ...compare import Category, Change, Impact
+from ...compare.change import Item
 from ...compare.verdicts import examples, reason_without_witness
 from ...compare.witnesses.witness import REASONS
 from ...model import formatting
@@ -145,10 +146,34 @@ def _change_line(change: Change, language: str, labels: Mapping[str, str], wordi
     )
 
 
-def changed_commands(differences: Sequence[Change]) -> frozenset[str]:
-    """The names of the commands that changes affect, other than those of texts."""
+def _affecting(differences: Sequence[Change], commands: Sequence[Command]) -> list[Change]:
+    """The changes that affect the forms of a command, other than those of texts.
+
+    They are those of the command, of the one whose place it takes, and of its addresses and parameters.
+    """
+    path = ("commands", commands[0].spec_name)
+    names = {
+        path[1],
+        *(str(c.old[1]) for c in differences if c.old and c.old != path[:1] and c.new and c.new[:2] == path),
+    }
+    messages = [m for c in commands for m in (c.request, *(reply.message for reply in c.replies)) if m]
+    types = [field.type for message in messages for field in message.layout.fields]
+    items = {Item("address", message.address) for message in messages}
+    items |= {Item("parameter", name) for m in messages for name in (*m.parameters, *m.layout.parameters)}
+    items |= {Item("parameter", name) for type_ in types for name in type_.numbers}
+    return [
+        change
+        for change in differences
+        if change.rule.category is not Category.DOC and (names & {*change.used_by} or change.item in items)
+    ]
+
+
+def changed_commands(edition: Edition, differences: Sequence[Change]) -> frozenset[str]:
+    """The names in the spec of the commands that differ from those of an older edition; new ones do not."""
     return frozenset(
-        name for change in differences if change.rule.category is not Category.DOC for name in change.used_by
+        name
+        for name, commands in edition.groups.items()
+        if any(change.rule.id != "command-added" for change in _affecting(differences, commands))
     )
 
 
@@ -173,10 +198,8 @@ def changed(
     wording: Wording,
 ) -> Changed:
     """The changes since `old` that affect the forms of a command, those with the worst impact first."""
-    names = {command.name for command in commands}
-    own = (c for c in differences if names & set(c.used_by) and c.rule.category is not Category.DOC)
     lines = []
-    for change in sorted(own, key=lambda c: list(Impact).index(c.impact)):
+    for change in sorted(_affecting(differences, commands), key=lambda c: list(Impact).index(c.impact)):
         line = _change_line(change, language, labels, wording)
         verdict = labels[f"verdict_{change.impact.value}"]
         lines.append(f"**{verdict}** {line.what}{labels['colon']}{line.change}")
@@ -204,7 +227,7 @@ def support(
 ) -> Iterator[Support]:
     """A table for each family that has several editions. `editions` come with their folders.
 
-    `changed` are the names of the commands that differ from the previous edition.
+    `changed` are the names in the spec of the commands that differ from the previous edition.
     """
     for family in dict.fromkeys(edition.family for _, edition in editions):
         folders = {edition.name: folder for folder, edition in editions if edition.family == family}
@@ -230,7 +253,7 @@ def _commands(
             cells = rows.setdefault(key, ["—"] * len(editions))
             if cells[at] == "—":
                 cells[at] = _cell(folder, command, labels)
-                if command.name in changed.get(edition, ()):
+                if command.spec_name in changed.get(edition, ()):
                     cells[at] += f" {labels['changed_mark']}"
                 titles.setdefault(command.spec_name, command.spec_title[language])
     return tuple(

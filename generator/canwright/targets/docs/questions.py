@@ -48,11 +48,14 @@ def questions(listed: Sequence[tuple[str, Edition]], language: str) -> Iterator[
 
 
 def _links(name: str, listed: Sequence[tuple[str, Edition]]) -> Iterator[Link]:
-    having = [(folder, edition) for folder, edition in listed if name in edition.groups]
-    if having:
-        code = having[-1][1].groups[name][0].code
+    """One link for each code that the command has in some editions."""
+    having: dict[int | None, list[tuple[str, Edition]]] = {}
+    for folder, edition in listed:
+        for command in edition.forms(name)[:1]:
+            having.setdefault(command.code, []).append((folder, edition))
+    for code, editions in having.items():
         shown = f"`{name}`" if code is None else f"`0x{code:02X}` `{name}`"
-        yield Link(shown, f"{COMMANDS}{name}.md", having)
+        yield Link(shown, f"{COMMANDS}{name}.md", editions)
 
 
 def question_records(editions: Iterable[Edition]) -> Iterator[Record]:

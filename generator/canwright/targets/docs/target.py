@@ -124,7 +124,11 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
     listed = [(folder, commons[edition]) for folder, edition in book.listed]
     only_editions = [edition for _, edition in book.listed]
     older = {edition: editions.previous(edition, only_editions) for edition in only_editions}
-    changed = {edition: editions.changed_commands(commons[edition].since(old)) for edition, old in older.items() if old}
+    changed = {
+        edition: editions.changed_commands(edition, commons[edition].since(old))
+        for edition, old in older.items()
+        if old
+    }
     supported = list(editions.support(book.listed, book.labels, language, changed))
     starts = list(guides.starts(listed))
     about = {

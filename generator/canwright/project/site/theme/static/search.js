@@ -28,8 +28,8 @@ const REMARK = /(?<=\S)\s*[（(][^（()）]{8,}[)）]/gu;
 /** How much a match in an item of a kind is worth; exact matches are compared by it, too. */
 const WEIGHTS = { command: 1, type: 0.8, entry: 0.9, id: 0.95, page: 0.9, question: 0.9, heading: 0.88, mode: 0.75, effect: 0.7, field: 0.7, value: 0.65, table: 0.6, erratum: 0.45, parameter: 0.55, setting: 0.5, state: 0.5, neighbour: 0.5 };
 /** For an item that is the whole query: the type of a field comes before the commands that have it. */
-const WHOLE = { heading: 0, type: 0.99, setting: 0.75 };
-/** For a name in the spelling of the manual. */
+const WHOLE = { heading: 0, type: 0.99, setting: 0.65 };
+/** For a name in the spelling of the manual, or a title as it is printed. */
 const PRINTED = 0.3;
 /** A field of more commands than these does not lead to them by its name alone. */
 const FREQUENT = 4;
@@ -43,7 +43,7 @@ const SPELLINGS = 6;
 /** Weight of a word that is in many questions, beside 1 and more for the others. */
 const STOP = 0.05;
 /** A page whose score is below this share of the best one is no hit. */
-const LEAST = 0.4;
+const LEAST = 0.2;
 
 /** Lower case and singular, with single spaces; also between Chinese and Latin text, which people write with and without one. */
 const normalized = text => text.normalize("NFKC").toLowerCase().replace(BOUNDARY, " ").replace(SEPARATORS, " ").replace(PLURAL, "").replace(/\bthe /gu, "").trim();
@@ -310,10 +310,12 @@ function createSearch(index, language) {
 
   /** The score of an item that is what the whole query says; 0 for any other. `asked` is the query as typed. */
   function whole(item, query, asked) {
-    if (!query || item.isEverywhere || ["question", "effect"].includes(item.kind)) { return 0; }
+    if (!query || ["question", "effect"].includes(item.kind)) { return 0; }
+    if (item.isEverywhere) { return item.texts.includes(query) ? WEIGHTS[item.kind] : 0; }
     const isType = item.kind === "type" && groups.some(group => group.includes(query) && group.some(word => item.texts.includes(word)));
     if (!isType && !ofId(item, query) && !item.texts.includes(query)) { return 0; }
-    return EXACT + (WHOLE[item.kind] ?? WEIGHTS[item.kind]) + (item.printed?.split(", ").includes(asked.trim()) ? PRINTED : 0);
+    const isPrinted = [...(item.printed ?? "").split(", "), item.title.split(/\s*[（(]/u)[0]].includes(asked.trim());
+    return EXACT + (WHOLE[item.kind] ?? WEIGHTS[item.kind]) + (isPrinted ? PRINTED : 0);
   }
 
   /** How well each item matches each term. */
