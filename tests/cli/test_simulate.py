@@ -106,6 +106,18 @@ def test_nodes_turn_as_the_class_of_the_readme(tmp_path: Path) -> None:
     assert 0 < angles[1] < angles[2] <= 91, angles
 
 
+@pytest.mark.parametrize("error", ["ValueError", "KeyError"])
+def test_an_error_of_a_behaviour_names_its_line(error: str, tmp_path: Path) -> None:
+    """Also one that a bus raises when it is lost."""
+    file = tmp_path / "broken.py"
+    file.write_text(f"class Broken:\n    def step(self, node, seconds):\n        raise {error}('no angle')\n")
+    arguments = ("--behaviour", f"{file}:Broken", "-i", "virtual", "-c", "broken")
+    result = run(NEW, "--node", "1", *arguments)
+    assert (result.exit_code, f"canwright: --behaviour {file}:3: {error}: " in result.stderr) == (2, True), (
+        result.stderr
+    )
+
+
 def test_faults_are_given_as_shares() -> None:
     def host(bus: can.BusABC) -> None:
         for _ in range(3):

@@ -547,6 +547,19 @@ def test_no_edition_is_assumed_that_explains_the_frames_worse_than_another_one()
     assert "can0, node 5; can1, node 3: no edition fits, so these frames count as foreign" in text
 
 
+def test_marks_are_ignored_if_the_recorder_is_unknown() -> None:
+    """Of a log in which the replies are marked as sent."""
+    cycle = "(1.{0:02}0000) can0 141#9A00000000000000 R\n(1.{0:02}0300) can0 141#9A3200E701000000 T\n"
+    text = "".join(cycle.format(number) for number in range(20))
+    spec = ("--spec", str(V2_35))
+    for options, by, status in (((), {"mark"}, 1), (("--recorder", "unknown"), {"pairing", "content"}, 0)):
+        rows = json_rows(decode(text, *spec, *options, "--format", "jsonl", status=status).stdout)
+        assert {row["decided_by"] for row in rows} == by
+        assert ([row["direction"] for row in rows] == ["request", "reply"] * 20) is (status == 0)
+        result = CliRunner().invoke(main, ["identify", "bus.log", *spec, *options])
+        assert ("explains every frame" in result.output) is (status == 0), result.output
+
+
 def test_csv_has_one_line_for_each_value() -> None:
     lines = list(csv.DictReader(io.StringIO(decode(MIXED, *SETTINGS, "--format", "csv").stdout)))
     reply = [line for line in lines if line["number"] == "2"]

@@ -235,7 +235,7 @@ def _decode(
     settings: Sequence[NodeSetting],
     outputs: Outputs,
     window: float | None,
-    recorder: Direction,
+    recorder: Direction | None,
 ) -> None:
     nodes = known_nodes(log, editions, settings, recorder)
     with ended_by_interrupt(log):
@@ -256,7 +256,7 @@ def _print(
     editions: Sequence[Edition],
     outputs: Outputs,
     window: float | None,
-    recorder: Direction,
+    recorder: Direction | None,
 ) -> bool:
     """Prints rows, summary and remarks of a log. Returns whether it has no findings."""
     _check_fields(outputs.fields, nodes.family)

@@ -127,7 +127,7 @@ def _skeletons(edition: Edition, messages: Sequence[Message], given: Assignment)
 
 
 def _of_log(
-    edition: Edition, messages: Sequence[Message], log: str, given: Assignment, recorder: Direction
+    edition: Edition, messages: Sequence[Message], log: str, given: Assignment, recorder: Direction | None
 ) -> _Entries:
     settings = [NodeSetting(None, None, name, str(value)) for name, value in given.items()]
     nodes = Nodes([edition], settings, edition)

@@ -62,7 +62,7 @@ def ended_by_interrupt(log: Log) -> Iterator[None]:
 
 
 def known_nodes(
-    log: Log, editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction
+    log: Log, editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction | None
 ) -> Nodes | None:
     """The nodes of a log, which is read once to identify them; None for a stream whose nodes may have several editions."""
     common = common_edition(editions, settings)
@@ -71,7 +71,7 @@ def known_nodes(
     return nodes_of(_identified(log, editions, recorder), settings) if log.is_file else None
 
 
-def _identified(log: Log, editions: Sequence[Edition], recorder: Direction) -> Identifier:
+def _identified(log: Log, editions: Sequence[Edition], recorder: Direction | None) -> Identifier:
     """All frames of a log in a file, with the editions that they fit."""
     identifiers = Identifiers(editions, recorder)
     again = open_log(log.name, has_differences=log.has_differences, is_split=log.is_split)
@@ -83,7 +83,7 @@ def _identified(log: Log, editions: Sequence[Edition], recorder: Direction) -> I
     return identifiers.best
 
 
-def log_directions(log: Log, nodes: Nodes, recorder: Direction, window: float | None = None) -> Directions:
+def log_directions(log: Log, nodes: Nodes, recorder: Direction | None, window: float | None = None) -> Directions:
     """What decides on the directions of the frames of a log; a request is answered within `window` ms."""
     return Directions(
         nodes.editions,

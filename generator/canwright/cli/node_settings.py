@@ -16,10 +16,10 @@ from .settings import check_value
 
 recorder_option = click.option(
     "--recorder",
-    type=click.Choice(["host", "node"]),
+    type=click.Choice(["host", "node", "unknown"]),
     default="host",
     show_default=True,
-    help="Who recorded the log, and so sent the frames that it marks as sent (Tx).",
+    help="Who recorded the log, and so sent the frames that it marks as sent (Tx); if unknown, marks are ignored.",
 )
 
 settings_option = click.option(
@@ -45,9 +45,9 @@ split_option = click.option(
 )
 
 
-def direction_of(recorder: str) -> Direction:
-    """The direction of the frames that a recorder sends."""
-    return Direction.REQUEST if recorder == "host" else Direction.REPLY
+def direction_of(recorder: str) -> Direction | None:
+    """The direction of the frames that a recorder sends; None if it is unknown."""
+    return {"host": Direction.REQUEST, "node": Direction.REPLY}.get(recorder)
 
 
 class Bus(NamedTuple):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ import click
 from ..diagnostics.unicode_safety import visible
 from ..language import notation
 from ..model.formatting import counted
-from ..recordings.bus_log import errors_of_use, lost
+from ..recordings.bus_log import errors_of_use, lost, sentence
 from ..targets.selected_nodes import selected_nodes
 from . import INTERRUPTED
 from .bus import BusArguments, bus_options, opened_bus, returns_own_frames
@@ -85,14 +86,15 @@ def simulate(
 
     The nodes answer each request as the specification says, and keep what is written: these are the simulated nodes of the
     generated Python package. Nothing moves by itself: for that, --behaviour names a class as in the README of that package, of
-    which each node gets an object. NAME=VALUE is the first value of a field of a reply, in its unit. Options of the bus have the names of python-can's own commands; what is not given is in its
-    configuration file can.conf. Ctrl-C ends and prints what was counted.
+    which each node gets an object. NAME=VALUE is the first value of a field of a reply, in its unit. Options of the bus have the
+    names of python-can's own commands; what is not given is in its configuration file can.conf. Ctrl-C ends and prints what was
+    counted.
 
     \b
       canwright simulate v1 --node 1..4 -i socketcan -c vcan0
       canwright simulate v1 level=50 --node 1..4 -i udp_multicast --loss 1%
 
-    Exit status: 130 after Ctrl-C, 2 if the bus cannot be opened or does not work any more.
+    Exit status: 130 after Ctrl-C, 2 if the bus cannot be opened or does not work any more, or if the class raises an error.
     """
     from .python_package import PythonPackage, only_edition
 
@@ -126,13 +128,24 @@ def simulate(
             simulation.run()
         except KeyboardInterrupt:
             pass
-        except errors_of_use() as error:
+        except Exception as error:
+            if place := _place_in(behaviour, error):
+                stop(f"--behaviour {visible(place)}: {type(error).__name__}: {sentence(error)}")
+            if not isinstance(error, errors_of_use()):
+                raise
             stop(lost(error))
         finally:
             received = f"{counted(simulation.received, 'frame')} received"
             text = f"{received}, {simulation.answered} sent, {simulation.rejected} of no request to these nodes"
             print_text(f"{text}\n")
     sys.exit(INTERRUPTED)
+
+
+def _place_in(behaviour: str | None, error: Exception) -> str:
+    """Where the file of a behaviour raised an error, as FILE.py:LINE; empty if something else did."""
+    file = behaviour.rpartition(":")[0] if behaviour else ""
+    calls = traceback.extract_tb(error.__traceback__)
+    return next((f"{file}:{call.lineno}" for call in reversed(calls) if file and call.filename == file), "")
 
 
 @contextmanager

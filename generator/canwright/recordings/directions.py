@@ -237,7 +237,7 @@ class Directions:
 
     `editions` are the editions of the nodes by bus and node, `default` that of all others. A request is answered within
     `window` ns; None for the time that suits the editions and the log. `recorder` is the direction of the frames that are
-    marked as sent. `behaviours` are those of the buses; None if the first frames of the log show them. If the log
+    marked as sent; None if marks do not count. `behaviours` are those of the buses; None if the first frames of the log show them. If the log
     `is_stream`, no frame waits for these: what they show counts for later frames. `first` is the
     number of the first frame. Before the frames with the numbers of `changes`, nodes get other editions, which are among
     `further`.
@@ -249,7 +249,7 @@ class Directions:
         default: Edition | None = None,
         *,
         window: int | None = None,
-        recorder: Direction = Direction.REQUEST,
+        recorder: Direction | None = Direction.REQUEST,
         behaviours: Mapping[str, Behaviour] | None = None,
         is_stream: bool = False,
         first: int = 0,
@@ -265,7 +265,7 @@ class Directions:
         self._window = window
         self._recorder = recorder
         opposite = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
-        self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: opposite}
+        self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: opposite} if recorder else {}
         self.behaviours = behaviours
         self._is_stream = is_stream
         self._number = first
@@ -389,8 +389,10 @@ class Directions:
 
     def _completes_marks(self, frame: LogFrame, marks: _Marks) -> bool:
         """Adds the mark of a frame to those of the nodes of its id; returns whether one now has both."""
+        if not frame.mark or not self._of_mark:
+            return False
         is_complete = False
-        for node in {node for each in self._classes for node in each.id_class(frame.frame).nodes} if frame.mark else ():
+        for node in {node for each in self._classes for node in each.id_class(frame.frame).nodes}:
             own = marks.setdefault((frame.bus, node), set())
             is_complete |= {*own, frame.mark} > own and bool(own)
             own.add(frame.mark)

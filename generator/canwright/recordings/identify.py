@@ -61,16 +61,16 @@ class _IdState:
 class Identifier:
     """Identifies the editions of the nodes of a log, frame by frame. Memory does not grow with the log.
 
-    `recorder` is the direction of the frames that the log marks as sent; received ones have the other direction. Marks count
+    `recorder` is the direction of the frames that the log marks as sent; received ones have the other direction; None if marks do not count. They count
     on a bus that has both kinds of one node, but not of a node to which nothing is sent: another host asks it.
     """
 
-    def __init__(self, editions: Sequence[Edition], recorder: Direction = Direction.REQUEST) -> None:
+    def __init__(self, editions: Sequence[Edition], recorder: Direction | None = Direction.REQUEST) -> None:
         opposite = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
         self.editions = editions
         self.marked: set[str] = set()
         """The buses with sent and received frames of one node."""
-        self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: opposite}
+        self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: opposite} if recorder else {}
         self._kinds = ScoredClasses(editions)
         self._lines: dict[tuple[int, bool, bool, int], _IdState] = {}
         self._nodes: dict[tuple[str, int | None], NodeFrames] = {}
@@ -103,7 +103,7 @@ class Identifier:
         node_number, kind = places.get(bits) or self._place(line.rule, places, bits, frame)
         node = self._nodes.get((bus, node_number)) or self._frames_of(bus, node_number)
         observation = kind.observation(id_, content)
-        direction = self._direction(node, mark) if mark is not None else None
+        direction = self._direction(node, mark) if mark is not None and self._of_mark else None
         repetition = node.repetitions.place(recorded, kind)
         known = observation if direction is None and repetition is None else (observation, direction, repetition)
         step = node.state.steps.get(known) or self._step(node, observation, direction, repetition)

@@ -174,7 +174,7 @@ def common_edition(editions: Sequence[Edition], settings: Sequence[NodeSetting])
 class Identifiers:
     """Identifies the editions of a log whose family is unknown: the one with the ids of most frames."""
 
-    def __init__(self, editions: Sequence[Edition], recorder: Direction) -> None:
+    def __init__(self, editions: Sequence[Edition], recorder: Direction | None) -> None:
         families = dict.fromkeys(edition.family for edition in editions)
         self._all = [Identifier([e for e in editions if e.family == name], recorder) for name in families]
 
@@ -206,7 +206,7 @@ def nodes_of(identifier: Identifier, settings: Sequence[NodeSetting]) -> Nodes:
 
 
 def follow(
-    log: Log, editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction
+    log: Log, editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction | None
 ) -> tuple[Nodes, Iterator[LogFrame]]:
     """The nodes of a stream, and its frames; later choices are added to the nodes before the frame is yielded."""
     identifiers = Identifiers(editions, recorder)
