@@ -18,6 +18,19 @@ from .test_c_compiles import MAIN
 
 STEPS = {"decode": 1, "fields": 2, "decode any": 3, "encode": 4, "reject frame": 5, "reject message": 6, "reply": 7}
 
+TEXT = """\
+#include <stdio.h>
+#include <mwd_motor/v2_35_selftest.h>
+int main(void)
+{
+    canwright_selftest_t result;
+    if (mwd_motor_v2_35_selftest(&result) != 0u) {
+        printf("%u: %s", (unsigned)result.first, canwright_step_text(result.step));
+    }
+    return 0;
+}
+"""
+
 
 def result(source: Path) -> Result:
     """The result on this machine."""
@@ -66,6 +79,21 @@ def test_a_broken_header_fails(step: str, pattern: str, replacement: str, tmp_pa
     outcome = result(source)
     assert outcome.failures and outcome.first
     assert outcome.step == STEPS[step]
+
+
+def test_a_wrong_decoder_is_described(tmp_path: Path) -> None:
+    """The number leads to a case of the message whose field is read from another byte."""
+    write(specification(MAIN), tmp_path)
+    header = tmp_path / "include/mwd_motor/v2_35.h"
+    pattern, replacement = r"(message->iq = [^;]*)frame->data\[5\]", r"\1frame->data[6]"
+    header.write_text(re.sub(pattern, replacement, header.read_text("utf-8")), "utf-8")
+    source = tmp_path / "text.c"
+    source.write_text(TEXT, "utf-8")
+    program = build([source], tmp_path / "include", tmp_path / "text")
+    number, what = subprocess.run([program], capture_output=True, text=True, check=True).stdout.split(": ")
+    assert what == "another node or other raw integers"
+    cases = (tmp_path / "include/mwd_motor/v2_35_selftest.h").read_text("utf-8")
+    assert re.findall(rf"/\* {number}: (.*) \*/", cases) == ["request of set_torque"]
 
 
 UNIT = """\

@@ -23,13 +23,6 @@ COMPILERS = ("cc", "gcc", "clang", "tcc", "zig cc")
 
 CANNOT = {"values": "the self-test leaves out values in units, and raw integers that no variable of C contains"}
 
-STEPS = (
-    *("", "the frame is rejected", "another node or other raw integers", "decoded by itself, the frame is another one"),
-    *("the raw integers are rejected, or encoded as another frame", "not rejected for the expected reason"),
-    *("not rejected for the expected reason, or for another field", "a reply is not accepted, or another frame is"),
-)
-"""What `canwright_step_t` stands for."""
-
 _PROGRAM = """\
 #include <stdio.h>
 #include <{family}/canwright_{fd}selftest.h>
@@ -38,7 +31,7 @@ static void count(canwright_{fd}selftest_t *result, canwright_step_t step, const
 {{
     canwright_{fd}selftest_count(result, step, frame);
     if (step != CANWRIGHT_STEP_NONE) {{
-        printf("%u %d\\n", (unsigned)result->cases, (int)step);
+        printf("%u %s\\n", (unsigned)result->cases, canwright_step_text(step));
     }}
 }}
 
@@ -84,10 +77,10 @@ def replay(item: EditionInput, frames: GoldenFrames, command: Sequence[str], wor
             return report
         output = done.stdout
     *failed, cases = output.splitlines()
-    entries = [entry.golden for table in SelfTest(edition, frames, view).tables for entry in table.entries]
+    entries = [case.golden for case in SelfTest(edition, frames, view).cases if case.golden]
     for line in failed:
-        case, step = map(int, line.split())
-        report.failures.append(Failure("c", "self-test", entries[case - 1], STEPS[step]))
+        case, _, text = line.partition(" ")
+        report.failures.append(Failure("c", "self-test", entries[int(case) - 1], text))
     report.asked, report.failed = int(cases), len(failed)
     if left_out := len(frames.entries) - report.asked:
         report.exceptions["values"] = left_out

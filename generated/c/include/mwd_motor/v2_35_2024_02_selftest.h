@@ -25,243 +25,192 @@
 #endif
 #endif
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_brake_request_matches(
-    const mwd_motor_v2_35_2024_02_brake_request_t *one, const mwd_motor_v2_35_2024_02_brake_request_t *other)
-{
-    return one->action == other->action;
-}
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_brake_reply_matches(
-    const mwd_motor_v2_35_2024_02_brake_reply_t *one, const mwd_motor_v2_35_2024_02_brake_reply_t *other)
-{
-    return one->state == other->state;
-}
+/** The raw integers of any message. */
+typedef union {
+    /** Of a message without fields. */
+    uint8_t none;
+    mwd_motor_v2_35_2024_02_brake_request_t raws_brake_request;
+    mwd_motor_v2_35_2024_02_brake_reply_t raws_brake_reply;
+    mwd_motor_v2_35_2024_02_set_power_request_t raws_set_power_request;
+    mwd_motor_v2_35_2024_02_motion_feedback_t raws_motion_feedback;
+    mwd_motor_v2_35_2024_02_set_torque_request_t raws_set_torque_request;
+    mwd_motor_v2_35_2024_02_set_speed_request_t raws_set_speed_request;
+    mwd_motor_v2_35_2024_02_set_speed_limited_request_t raws_set_speed_limited_request;
+    mwd_motor_v2_35_2024_02_move_to_angle_request_t raws_move_to_angle_request;
+    mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t raws_move_to_angle_at_speed_request;
+    mwd_motor_v2_35_2024_02_turn_to_angle_request_t raws_turn_to_angle_request;
+    mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t raws_turn_to_angle_at_speed_request;
+    mwd_motor_v2_35_2024_02_move_by_angle_request_t raws_move_by_angle_request;
+    mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t raws_move_by_angle_at_speed_request;
+    mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t raws_control_parameters_torque_limit;
+    mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t raws_control_parameters_acceleration_limit;
+    mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t raws_control_parameters_speed_limit;
+    mwd_motor_v2_35_2024_02_read_encoder_reply_t raws_read_encoder_reply;
+    mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t raws_write_encoder_offset_rom;
+    mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t raws_write_position_as_zero_rom_reply;
+    mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t raws_read_multi_turn_angle_reply;
+    mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t raws_read_single_turn_angle_reply;
+    mwd_motor_v2_35_2024_02_set_angle_t raws_set_angle;
+    mwd_motor_v2_35_2024_02_status_1_t raws_status_1;
+    mwd_motor_v2_35_2024_02_read_status_3_reply_t raws_read_status_3_reply;
+} mwd_motor_v2_35_2024_02_selftest_raws_t;
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_set_power_request_matches(
-    const mwd_motor_v2_35_2024_02_set_power_request_t *one, const mwd_motor_v2_35_2024_02_set_power_request_t *other)
-{
-    return one->power == other->power;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_motion_feedback_matches(
-    const mwd_motor_v2_35_2024_02_motion_feedback_t *one, const mwd_motor_v2_35_2024_02_motion_feedback_t *other)
-{
-    return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
-        && one->speed == other->speed && one->encoder == other->encoder;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_set_torque_request_matches(
-    const mwd_motor_v2_35_2024_02_set_torque_request_t *one,
-    const mwd_motor_v2_35_2024_02_set_torque_request_t *other)
-{
-    return one->iq == other->iq;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_set_speed_request_matches(
-    const mwd_motor_v2_35_2024_02_set_speed_request_t *one, const mwd_motor_v2_35_2024_02_set_speed_request_t *other)
-{
-    return one->speed == other->speed;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_set_speed_limited_request_matches(
-    const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *one,
-    const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *other)
-{
-    return one->iq_limit == other->iq_limit && one->speed == other->speed;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_move_to_angle_request_matches(
-    const mwd_motor_v2_35_2024_02_move_to_angle_request_t *one,
-    const mwd_motor_v2_35_2024_02_move_to_angle_request_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_matches(
-    const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *one,
-    const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *other)
-{
-    return one->max_speed == other->max_speed && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_turn_to_angle_request_matches(
-    const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *one,
-    const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *other)
-{
-    return one->spin_direction == other->spin_direction && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_matches(
-    const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *one,
-    const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *other)
-{
-    return one->spin_direction == other->spin_direction && one->max_speed == other->max_speed
-        && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_move_by_angle_request_matches(
-    const mwd_motor_v2_35_2024_02_move_by_angle_request_t *one,
-    const mwd_motor_v2_35_2024_02_move_by_angle_request_t *other)
-{
-    return one->increment == other->increment;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_matches(
-    const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *one,
-    const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *other)
-{
-    return one->max_speed == other->max_speed && one->increment == other->increment;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(
-    const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *one,
-    const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *other)
-{
-    return one->torque_limit == other->torque_limit;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(
-    const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *one,
-    const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *other)
-{
-    return one->acceleration_limit == other->acceleration_limit;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(
-    const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *one,
-    const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *other)
-{
-    return one->speed_limit == other->speed_limit;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_read_encoder_reply_matches(
-    const mwd_motor_v2_35_2024_02_read_encoder_reply_t *one,
-    const mwd_motor_v2_35_2024_02_read_encoder_reply_t *other)
-{
-    return one->encoder == other->encoder && one->encoder_measured == other->encoder_measured
-        && one->encoder_offset == other->encoder_offset;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_write_encoder_offset_rom_matches(
-    const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *one,
-    const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *other)
-{
-    return one->encoder_offset == other->encoder_offset;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_matches(
-    const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *one,
-    const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *other)
-{
-    return one->encoder_offset == other->encoder_offset;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_matches(
-    const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *one,
-    const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_matches(
-    const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *one,
-    const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_set_angle_matches(
-    const mwd_motor_v2_35_2024_02_set_angle_t *one, const mwd_motor_v2_35_2024_02_set_angle_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_status_1_matches(
-    const mwd_motor_v2_35_2024_02_status_1_t *one, const mwd_motor_v2_35_2024_02_status_1_t *other)
-{
-    return one->temperature == other->temperature && one->voltage == other->voltage && one->current == other->current
-        && one->motor_state == other->motor_state && one->errors == other->errors;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_2024_02_read_status_3_reply_matches(
-    const mwd_motor_v2_35_2024_02_read_status_3_reply_t *one,
-    const mwd_motor_v2_35_2024_02_read_status_3_reply_t *other)
-{
-    return one->temperature == other->temperature && one->phase_a == other->phase_a && one->phase_b == other->phase_b
-        && one->phase_c == other->phase_c;
-}
-
-/** What the functions of one message return for a golden frame. */
+/** What the functions of one message return. */
 typedef struct {
     /** The status of the function that decodes the message. */
     canwright_status_t decoded;
-    /** True if it returns the expected fields. */
-    bool same;
+    /** The raw integers that it returns. */
+    mwd_motor_v2_35_2024_02_selftest_raws_t raws;
     /** The node that it returns. */
     uint32_t node;
     /** The status of the function that encodes the message. */
     canwright_status_t encoded;
     /** The frame that it writes. */
     canwright_frame_t written;
-    /** The rejected field; 0 without. */
-    uint16_t field;
-    /** True if the function that decodes any frame returns the same command, node and fields. */
-    bool any_same;
 } mwd_motor_v2_35_2024_02_selftest_t;
 
-/** Decodes a frame as one message, and encodes the message with the raw integers of an entry. */
+/** True for messages of a layout with equal fields. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_2024_02_selftest_message(
-    mwd_motor_v2_35_2024_02_selftest_t *result, const canwright_frame_t *frame, uint16_t message, uint16_t raws,
-    uint32_t node, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
+static inline bool mwd_motor_v2_35_2024_02_selftest_same(uint16_t layout, const void *raws, const void *expected)
+{
+    switch (layout) {
+    case 1u: {
+        const mwd_motor_v2_35_2024_02_brake_request_t *one = (const mwd_motor_v2_35_2024_02_brake_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_brake_request_t *other = (const mwd_motor_v2_35_2024_02_brake_request_t *)expected;
+        return one->action == other->action;
+    }
+    case 2u: {
+        const mwd_motor_v2_35_2024_02_brake_reply_t *one = (const mwd_motor_v2_35_2024_02_brake_reply_t *)raws;
+        const mwd_motor_v2_35_2024_02_brake_reply_t *other = (const mwd_motor_v2_35_2024_02_brake_reply_t *)expected;
+        return one->state == other->state;
+    }
+    case 3u: {
+        const mwd_motor_v2_35_2024_02_set_power_request_t *one = (const mwd_motor_v2_35_2024_02_set_power_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_set_power_request_t *other = (const mwd_motor_v2_35_2024_02_set_power_request_t *)expected;
+        return one->power == other->power;
+    }
+    case 4u: {
+        const mwd_motor_v2_35_2024_02_motion_feedback_t *one = (const mwd_motor_v2_35_2024_02_motion_feedback_t *)raws;
+        const mwd_motor_v2_35_2024_02_motion_feedback_t *other = (const mwd_motor_v2_35_2024_02_motion_feedback_t *)expected;
+        return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
+            && one->speed == other->speed && one->encoder == other->encoder;
+    }
+    case 5u: {
+        const mwd_motor_v2_35_2024_02_set_torque_request_t *one = (const mwd_motor_v2_35_2024_02_set_torque_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_set_torque_request_t *other = (const mwd_motor_v2_35_2024_02_set_torque_request_t *)expected;
+        return one->iq == other->iq;
+    }
+    case 6u: {
+        const mwd_motor_v2_35_2024_02_set_speed_request_t *one = (const mwd_motor_v2_35_2024_02_set_speed_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_set_speed_request_t *other = (const mwd_motor_v2_35_2024_02_set_speed_request_t *)expected;
+        return one->speed == other->speed;
+    }
+    case 7u: {
+        const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *one = (const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *other = (const mwd_motor_v2_35_2024_02_set_speed_limited_request_t *)expected;
+        return one->iq_limit == other->iq_limit && one->speed == other->speed;
+    }
+    case 8u: {
+        const mwd_motor_v2_35_2024_02_move_to_angle_request_t *one = (const mwd_motor_v2_35_2024_02_move_to_angle_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_move_to_angle_request_t *other = (const mwd_motor_v2_35_2024_02_move_to_angle_request_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 9u: {
+        const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *one = (const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *other = (const mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t *)expected;
+        return one->max_speed == other->max_speed && one->angle == other->angle;
+    }
+    case 10u: {
+        const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *one = (const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *other = (const mwd_motor_v2_35_2024_02_turn_to_angle_request_t *)expected;
+        return one->spin_direction == other->spin_direction && one->angle == other->angle;
+    }
+    case 11u: {
+        const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *one = (const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *other = (const mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t *)expected;
+        return one->spin_direction == other->spin_direction && one->max_speed == other->max_speed
+            && one->angle == other->angle;
+    }
+    case 12u: {
+        const mwd_motor_v2_35_2024_02_move_by_angle_request_t *one = (const mwd_motor_v2_35_2024_02_move_by_angle_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_move_by_angle_request_t *other = (const mwd_motor_v2_35_2024_02_move_by_angle_request_t *)expected;
+        return one->increment == other->increment;
+    }
+    case 13u: {
+        const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *one = (const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *other = (const mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t *)expected;
+        return one->max_speed == other->max_speed && one->increment == other->increment;
+    }
+    case 14u: {
+        const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *one = (const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *)raws;
+        const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *other = (const mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t *)expected;
+        return one->torque_limit == other->torque_limit;
+    }
+    case 15u: {
+        const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *one = (const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *)raws;
+        const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *other = (const mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t *)expected;
+        return one->acceleration_limit == other->acceleration_limit;
+    }
+    case 16u: {
+        const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *one = (const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *)raws;
+        const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *other = (const mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t *)expected;
+        return one->speed_limit == other->speed_limit;
+    }
+    case 17u: {
+        const mwd_motor_v2_35_2024_02_read_encoder_reply_t *one = (const mwd_motor_v2_35_2024_02_read_encoder_reply_t *)raws;
+        const mwd_motor_v2_35_2024_02_read_encoder_reply_t *other = (const mwd_motor_v2_35_2024_02_read_encoder_reply_t *)expected;
+        return one->encoder == other->encoder && one->encoder_measured == other->encoder_measured
+            && one->encoder_offset == other->encoder_offset;
+    }
+    case 18u: {
+        const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *one = (const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *)raws;
+        const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *other = (const mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t *)expected;
+        return one->encoder_offset == other->encoder_offset;
+    }
+    case 19u: {
+        const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *one = (const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *)raws;
+        const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *other = (const mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t *)expected;
+        return one->encoder_offset == other->encoder_offset;
+    }
+    case 20u: {
+        const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *one = (const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *)raws;
+        const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *other = (const mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 21u: {
+        const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *one = (const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *)raws;
+        const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *other = (const mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 22u: {
+        const mwd_motor_v2_35_2024_02_set_angle_t *one = (const mwd_motor_v2_35_2024_02_set_angle_t *)raws;
+        const mwd_motor_v2_35_2024_02_set_angle_t *other = (const mwd_motor_v2_35_2024_02_set_angle_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 23u: {
+        const mwd_motor_v2_35_2024_02_status_1_t *one = (const mwd_motor_v2_35_2024_02_status_1_t *)raws;
+        const mwd_motor_v2_35_2024_02_status_1_t *other = (const mwd_motor_v2_35_2024_02_status_1_t *)expected;
+        return one->temperature == other->temperature && one->voltage == other->voltage
+            && one->current == other->current && one->motor_state == other->motor_state
+            && one->errors == other->errors;
+    }
+    case 24u: {
+        const mwd_motor_v2_35_2024_02_read_status_3_reply_t *one = (const mwd_motor_v2_35_2024_02_read_status_3_reply_t *)raws;
+        const mwd_motor_v2_35_2024_02_read_status_3_reply_t *other = (const mwd_motor_v2_35_2024_02_read_status_3_reply_t *)expected;
+        return one->temperature == other->temperature && one->phase_a == other->phase_a
+            && one->phase_b == other->phase_b && one->phase_c == other->phase_c;
+    }
+    default:
+        return raws != expected;
+    }
+}
+
+/** Reads an entry of the table of a layout; returns the field that is rejected, 0 without. */
+CANWRIGHT_NONNULL
+static inline uint16_t mwd_motor_v2_35_2024_02_selftest_read(
+    mwd_motor_v2_35_2024_02_selftest_raws_t *raws, uint16_t layout, uint16_t index,
+    const mwd_motor_v2_35_2024_02_parameters_t *parameters)
 {
     static const mwd_motor_v2_35_2024_02_brake_request_t raws_brake_request[] CANWRIGHT_FLASH = {
         {0u},
@@ -638,1054 +587,473 @@ static inline void mwd_motor_v2_35_2024_02_selftest_message(
         {1, 64, -64, 4096},
         {-40, 100, -200, 300},
     };
-    union {
-        mwd_motor_v2_35_2024_02_brake_request_t raws_brake_request;
-        mwd_motor_v2_35_2024_02_brake_reply_t raws_brake_reply;
-        mwd_motor_v2_35_2024_02_set_power_request_t raws_set_power_request;
-        mwd_motor_v2_35_2024_02_motion_feedback_t raws_motion_feedback;
-        mwd_motor_v2_35_2024_02_set_torque_request_t raws_set_torque_request;
-        mwd_motor_v2_35_2024_02_set_speed_request_t raws_set_speed_request;
-        mwd_motor_v2_35_2024_02_set_speed_limited_request_t raws_set_speed_limited_request;
-        mwd_motor_v2_35_2024_02_move_to_angle_request_t raws_move_to_angle_request;
-        mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_t raws_move_to_angle_at_speed_request;
-        mwd_motor_v2_35_2024_02_turn_to_angle_request_t raws_turn_to_angle_request;
-        mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_t raws_turn_to_angle_at_speed_request;
-        mwd_motor_v2_35_2024_02_move_by_angle_request_t raws_move_by_angle_request;
-        mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_t raws_move_by_angle_at_speed_request;
-        mwd_motor_v2_35_2024_02_control_parameters_torque_limit_t raws_control_parameters_torque_limit;
-        mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_t raws_control_parameters_acceleration_limit;
-        mwd_motor_v2_35_2024_02_control_parameters_speed_limit_t raws_control_parameters_speed_limit;
-        mwd_motor_v2_35_2024_02_read_encoder_reply_t raws_read_encoder_reply;
-        mwd_motor_v2_35_2024_02_write_encoder_offset_rom_t raws_write_encoder_offset_rom;
-        mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_t raws_write_position_as_zero_rom_reply;
-        mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_t raws_read_multi_turn_angle_reply;
-        mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_t raws_read_single_turn_angle_reply;
-        mwd_motor_v2_35_2024_02_set_angle_t raws_set_angle;
-        mwd_motor_v2_35_2024_02_status_1_t raws_status_1;
-        mwd_motor_v2_35_2024_02_read_status_3_reply_t raws_read_status_3_reply;
-    } wanted, found;
-    mwd_motor_v2_35_2024_02_any_request_t request;
-    mwd_motor_v2_35_2024_02_any_reply_t reply;
     mwd_motor_v2_35_2024_02_field_t field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-    result->decoded = CANWRIGHT_UNKNOWN_CODE;
-    result->same = false;
-    result->node = 0u;
-    result->encoded = CANWRIGHT_UNKNOWN_CODE;
-    result->any_same = false;
+    canwright_status_t status = CANWRIGHT_OK;
+    raws->none = 0u;
     (void)parameters;
-    switch (message) {
+switch (layout) {
+    case 1u:
+        canwright_flash_read(&raws->raws_brake_request, raws_brake_request, index, sizeof raws->raws_brake_request);
+        status = mwd_motor_v2_35_2024_02_brake_request_check(&field, &raws->raws_brake_request);
+        break;
+    case 2u:
+        canwright_flash_read(&raws->raws_brake_reply, raws_brake_reply, index, sizeof raws->raws_brake_reply);
+        status = mwd_motor_v2_35_2024_02_brake_reply_check(&field, &raws->raws_brake_reply);
+        break;
+    case 3u:
+        canwright_flash_read(&raws->raws_set_power_request, raws_set_power_request, index,
+            sizeof raws->raws_set_power_request);
+        status = mwd_motor_v2_35_2024_02_set_power_request_check(&field, &raws->raws_set_power_request);
+        break;
+    case 4u:
+        canwright_flash_read(&raws->raws_motion_feedback, raws_motion_feedback, index,
+            sizeof raws->raws_motion_feedback);
+        status = mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &raws->raws_motion_feedback, parameters);
+        break;
+    case 5u:
+        canwright_flash_read(&raws->raws_set_torque_request, raws_set_torque_request, index,
+            sizeof raws->raws_set_torque_request);
+        status = mwd_motor_v2_35_2024_02_set_torque_request_check(&field, &raws->raws_set_torque_request);
+        break;
+    case 6u:
+        canwright_flash_read(&raws->raws_set_speed_request, raws_set_speed_request, index,
+            sizeof raws->raws_set_speed_request);
+        break;
+    case 7u:
+        canwright_flash_read(&raws->raws_set_speed_limited_request, raws_set_speed_limited_request, index,
+            sizeof raws->raws_set_speed_limited_request);
+        status = mwd_motor_v2_35_2024_02_set_speed_limited_request_check(&field,
+            &raws->raws_set_speed_limited_request);
+        break;
+    case 8u:
+        canwright_flash_read(&raws->raws_move_to_angle_request, raws_move_to_angle_request, index,
+            sizeof raws->raws_move_to_angle_request);
+        break;
+    case 9u:
+        canwright_flash_read(&raws->raws_move_to_angle_at_speed_request, raws_move_to_angle_at_speed_request, index,
+            sizeof raws->raws_move_to_angle_at_speed_request);
+        break;
+    case 10u:
+        canwright_flash_read(&raws->raws_turn_to_angle_request, raws_turn_to_angle_request, index,
+            sizeof raws->raws_turn_to_angle_request);
+        status = mwd_motor_v2_35_2024_02_turn_to_angle_request_check(&field, &raws->raws_turn_to_angle_request);
+        break;
+    case 11u:
+        canwright_flash_read(&raws->raws_turn_to_angle_at_speed_request, raws_turn_to_angle_at_speed_request, index,
+            sizeof raws->raws_turn_to_angle_at_speed_request);
+        status = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_check(&field,
+            &raws->raws_turn_to_angle_at_speed_request);
+        break;
+    case 12u:
+        canwright_flash_read(&raws->raws_move_by_angle_request, raws_move_by_angle_request, index,
+            sizeof raws->raws_move_by_angle_request);
+        break;
+    case 13u:
+        canwright_flash_read(&raws->raws_move_by_angle_at_speed_request, raws_move_by_angle_at_speed_request, index,
+            sizeof raws->raws_move_by_angle_at_speed_request);
+        break;
+    case 14u:
+        canwright_flash_read(&raws->raws_control_parameters_torque_limit, raws_control_parameters_torque_limit, index,
+            sizeof raws->raws_control_parameters_torque_limit);
+        break;
+    case 15u:
+        canwright_flash_read(&raws->raws_control_parameters_acceleration_limit,
+            raws_control_parameters_acceleration_limit, index,
+            sizeof raws->raws_control_parameters_acceleration_limit);
+        break;
+    case 16u:
+        canwright_flash_read(&raws->raws_control_parameters_speed_limit, raws_control_parameters_speed_limit, index,
+            sizeof raws->raws_control_parameters_speed_limit);
+        break;
+    case 17u:
+        canwright_flash_read(&raws->raws_read_encoder_reply, raws_read_encoder_reply, index,
+            sizeof raws->raws_read_encoder_reply);
+        status = mwd_motor_v2_35_2024_02_read_encoder_reply_check(&field, &raws->raws_read_encoder_reply, parameters);
+        break;
+    case 18u:
+        canwright_flash_read(&raws->raws_write_encoder_offset_rom, raws_write_encoder_offset_rom, index,
+            sizeof raws->raws_write_encoder_offset_rom);
+        status = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_check(&field, &raws->raws_write_encoder_offset_rom,
+            parameters);
+        break;
+    case 19u:
+        canwright_flash_read(&raws->raws_write_position_as_zero_rom_reply, raws_write_position_as_zero_rom_reply,
+            index, sizeof raws->raws_write_position_as_zero_rom_reply);
+        status = mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_check(&field,
+            &raws->raws_write_position_as_zero_rom_reply, parameters);
+        break;
+    case 20u:
+        canwright_flash_read(&raws->raws_read_multi_turn_angle_reply, raws_read_multi_turn_angle_reply, index,
+            sizeof raws->raws_read_multi_turn_angle_reply);
+        status = mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_check(&field,
+            &raws->raws_read_multi_turn_angle_reply);
+        break;
+    case 21u:
+        canwright_flash_read(&raws->raws_read_single_turn_angle_reply, raws_read_single_turn_angle_reply, index,
+            sizeof raws->raws_read_single_turn_angle_reply);
+        status = mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_check(&field,
+            &raws->raws_read_single_turn_angle_reply, parameters);
+        break;
+    case 22u:
+        canwright_flash_read(&raws->raws_set_angle, raws_set_angle, index, sizeof raws->raws_set_angle);
+        break;
+    case 23u:
+        canwright_flash_read(&raws->raws_status_1, raws_status_1, index, sizeof raws->raws_status_1);
+        status = mwd_motor_v2_35_2024_02_status_1_check(&field, &raws->raws_status_1);
+        break;
+    case 24u:
+        canwright_flash_read(&raws->raws_read_status_3_reply, raws_read_status_3_reply, index,
+            sizeof raws->raws_read_status_3_reply);
+        break;
+    default:
+        (void)index;
+        break;
+    }
+    return (status == CANWRIGHT_OK) ? 0u : (uint16_t)field;
+}
+
+/** Decodes a frame as one message, and encodes the message with raw integers. */
+CANWRIGHT_NONNULL
+static inline void mwd_motor_v2_35_2024_02_selftest_message(
+    mwd_motor_v2_35_2024_02_selftest_t *result, const canwright_frame_t *frame, uint16_t message, uint32_t node,
+    const mwd_motor_v2_35_2024_02_selftest_raws_t *raws, const mwd_motor_v2_35_2024_02_parameters_t *parameters)
+{
+    result->node = 0u;
+    (void)node;
+    (void)raws;
+    (void)parameters;
+switch (message) {
     case 0u: /* request of motor_off */
         result->decoded = mwd_motor_v2_35_2024_02_motor_off_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_motor_off_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF
-                && request.node == result->node;
-        }
         break;
     case 1u: /* reply of motor_off */
         result->decoded = mwd_motor_v2_35_2024_02_motor_off_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_motor_off_reply_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF
-                && reply.node == result->node;
-        }
         break;
     case 2u: /* request of motor_on */
         result->decoded = mwd_motor_v2_35_2024_02_motor_on_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_motor_on_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON
-                && request.node == result->node;
-        }
         break;
     case 3u: /* reply of motor_on */
         result->decoded = mwd_motor_v2_35_2024_02_motor_on_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_motor_on_reply_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON
-                && reply.node == result->node;
-        }
         break;
     case 4u: /* request of motor_stop */
         result->decoded = mwd_motor_v2_35_2024_02_motor_stop_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_motor_stop_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP
-                && request.node == result->node;
-        }
         break;
     case 5u: /* reply of motor_stop */
         result->decoded = mwd_motor_v2_35_2024_02_motor_stop_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_motor_stop_reply_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP
-                && reply.node == result->node;
-        }
         break;
     case 6u: /* request of brake */
-        canwright_flash_read(&wanted.raws_brake_request, raws_brake_request, raws, sizeof wanted.raws_brake_request);
-        result->decoded = mwd_motor_v2_35_2024_02_brake_request_decode(&found.raws_brake_request, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_brake_request_matches(&found.raws_brake_request,
-                &wanted.raws_brake_request);
-        }
-        if (mwd_motor_v2_35_2024_02_brake_request_check(&field, &wanted.raws_brake_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_2024_02_brake_request_decode(&result->raws.raws_brake_request,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_35_2024_02_brake_request_encode(&result->written, node,
-            &wanted.raws_brake_request);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE
-                && request.node == result->node && mwd_motor_v2_35_2024_02_brake_request_matches(&request.as.brake,
-                &wanted.raws_brake_request);
-        }
+            &raws->raws_brake_request);
         break;
     case 7u: /* reply of brake */
-        canwright_flash_read(&wanted.raws_brake_reply, raws_brake_reply, raws, sizeof wanted.raws_brake_reply);
-        result->decoded = mwd_motor_v2_35_2024_02_brake_reply_decode(&found.raws_brake_reply, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_brake_reply_matches(&found.raws_brake_reply,
-                &wanted.raws_brake_reply);
-        }
-        if (mwd_motor_v2_35_2024_02_brake_reply_check(&field, &wanted.raws_brake_reply) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
-        result->encoded = mwd_motor_v2_35_2024_02_brake_reply_encode(&result->written, node,
-            &wanted.raws_brake_reply);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_brake_reply_matches(&reply.as.brake, &wanted.raws_brake_reply);
-        }
+        result->decoded = mwd_motor_v2_35_2024_02_brake_reply_decode(&result->raws.raws_brake_reply, &result->node,
+            frame);
+        result->encoded = mwd_motor_v2_35_2024_02_brake_reply_encode(&result->written, node, &raws->raws_brake_reply);
         break;
     case 8u: /* request of set_power */
-        canwright_flash_read(&wanted.raws_set_power_request, raws_set_power_request, raws,
-            sizeof wanted.raws_set_power_request);
-        result->decoded = mwd_motor_v2_35_2024_02_set_power_request_decode(&found.raws_set_power_request,
+        result->decoded = mwd_motor_v2_35_2024_02_set_power_request_decode(&result->raws.raws_set_power_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_power_request_matches(&found.raws_set_power_request,
-                &wanted.raws_set_power_request);
-        }
-        if (mwd_motor_v2_35_2024_02_set_power_request_check(&field, &wanted.raws_set_power_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_power_request_encode(&result->written, node,
-            &wanted.raws_set_power_request, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_set_power_request_matches(&request.as.set_power,
-                &wanted.raws_set_power_request);
-        }
+            &raws->raws_set_power_request, parameters);
         break;
     case 9u: /* reply of set_power */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_set_power_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_2024_02_set_power_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_35_2024_02_set_power_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.set_power,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 10u: /* request of set_torque */
-        canwright_flash_read(&wanted.raws_set_torque_request, raws_set_torque_request, raws,
-            sizeof wanted.raws_set_torque_request);
-        result->decoded = mwd_motor_v2_35_2024_02_set_torque_request_decode(&found.raws_set_torque_request,
+        result->decoded = mwd_motor_v2_35_2024_02_set_torque_request_decode(&result->raws.raws_set_torque_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_torque_request_matches(&found.raws_set_torque_request,
-                &wanted.raws_set_torque_request);
-        }
-        if (mwd_motor_v2_35_2024_02_set_torque_request_check(&field,
-            &wanted.raws_set_torque_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_torque_request_encode(&result->written, node,
-            &wanted.raws_set_torque_request, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_set_torque_request_matches(&request.as.set_torque,
-                &wanted.raws_set_torque_request);
-        }
+            &raws->raws_set_torque_request, parameters);
         break;
     case 11u: /* reply of set_torque */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_set_torque_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_2024_02_set_torque_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_35_2024_02_set_torque_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.set_torque,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 12u: /* request of set_speed */
-        canwright_flash_read(&wanted.raws_set_speed_request, raws_set_speed_request, raws,
-            sizeof wanted.raws_set_speed_request);
-        result->decoded = mwd_motor_v2_35_2024_02_set_speed_request_decode(&found.raws_set_speed_request,
+        result->decoded = mwd_motor_v2_35_2024_02_set_speed_request_decode(&result->raws.raws_set_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_speed_request_matches(&found.raws_set_speed_request,
-                &wanted.raws_set_speed_request);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_speed_request_encode(&result->written, node,
-            &wanted.raws_set_speed_request);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_set_speed_request_matches(&request.as.set_speed,
-                &wanted.raws_set_speed_request);
-        }
+            &raws->raws_set_speed_request);
         break;
     case 13u: /* reply of set_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_set_speed_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_2024_02_set_speed_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_35_2024_02_set_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.set_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 14u: /* request of set_speed_limited */
-        canwright_flash_read(&wanted.raws_set_speed_limited_request, raws_set_speed_limited_request, raws,
-            sizeof wanted.raws_set_speed_limited_request);
-        result->decoded = mwd_motor_v2_35_2024_02_set_speed_limited_request_decode(&found.raws_set_speed_limited_request,
+        result->decoded = mwd_motor_v2_35_2024_02_set_speed_limited_request_decode(&result->raws.raws_set_speed_limited_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_speed_limited_request_matches(&found.raws_set_speed_limited_request,
-                &wanted.raws_set_speed_limited_request);
-        }
-        if (mwd_motor_v2_35_2024_02_set_speed_limited_request_check(&field,
-            &wanted.raws_set_speed_limited_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_speed_limited_request_encode(&result->written, node,
-            &wanted.raws_set_speed_limited_request);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_set_speed_limited_request_matches(&request.as.set_speed_limited,
-                &wanted.raws_set_speed_limited_request);
-        }
+            &raws->raws_set_speed_limited_request);
         break;
     case 15u: /* reply of set_speed_limited */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_set_speed_limited_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_2024_02_set_speed_limited_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_speed_limited_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.set_speed_limited,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 16u: /* request of move_to_angle */
-        canwright_flash_read(&wanted.raws_move_to_angle_request, raws_move_to_angle_request, raws,
-            sizeof wanted.raws_move_to_angle_request);
-        result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_request_decode(&found.raws_move_to_angle_request,
+        result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_request_decode(&result->raws.raws_move_to_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_move_to_angle_request_matches(&found.raws_move_to_angle_request,
-                &wanted.raws_move_to_angle_request);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_move_to_angle_request_encode(&result->written, node,
-            &wanted.raws_move_to_angle_request);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_move_to_angle_request_matches(&request.as.move_to_angle,
-                &wanted.raws_move_to_angle_request);
-        }
+            &raws->raws_move_to_angle_request);
         break;
     case 17u: /* reply of move_to_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_move_to_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.move_to_angle,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 18u: /* request of move_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_move_to_angle_at_speed_request, raws_move_to_angle_at_speed_request, raws,
-            sizeof wanted.raws_move_to_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_decode(&found.raws_move_to_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_decode(&result->raws.raws_move_to_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_matches(&found.raws_move_to_angle_at_speed_request,
-                &wanted.raws_move_to_angle_at_speed_request);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_move_to_angle_at_speed_request);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_move_to_angle_at_speed_request_matches(&request.as.move_to_angle_at_speed,
-                &wanted.raws_move_to_angle_at_speed_request);
-        }
+            &raws->raws_move_to_angle_at_speed_request);
         break;
     case 19u: /* reply of move_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_move_to_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.move_to_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 20u: /* request of turn_to_angle */
-        canwright_flash_read(&wanted.raws_turn_to_angle_request, raws_turn_to_angle_request, raws,
-            sizeof wanted.raws_turn_to_angle_request);
-        result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_request_decode(&found.raws_turn_to_angle_request,
+        result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_request_decode(&result->raws.raws_turn_to_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_turn_to_angle_request_matches(&found.raws_turn_to_angle_request,
-                &wanted.raws_turn_to_angle_request);
-        }
-        if (mwd_motor_v2_35_2024_02_turn_to_angle_request_check(&field,
-            &wanted.raws_turn_to_angle_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_turn_to_angle_request_encode(&result->written, node,
-            &wanted.raws_turn_to_angle_request);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_turn_to_angle_request_matches(&request.as.turn_to_angle,
-                &wanted.raws_turn_to_angle_request);
-        }
+            &raws->raws_turn_to_angle_request);
         break;
     case 21u: /* reply of turn_to_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_turn_to_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.turn_to_angle,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 22u: /* request of turn_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_turn_to_angle_at_speed_request, raws_turn_to_angle_at_speed_request, raws,
-            sizeof wanted.raws_turn_to_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_decode(&found.raws_turn_to_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_decode(&result->raws.raws_turn_to_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_matches(&found.raws_turn_to_angle_at_speed_request,
-                &wanted.raws_turn_to_angle_at_speed_request);
-        }
-        if (mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_check(&field,
-            &wanted.raws_turn_to_angle_at_speed_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_turn_to_angle_at_speed_request);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_request_matches(&request.as.turn_to_angle_at_speed,
-                &wanted.raws_turn_to_angle_at_speed_request);
-        }
+            &raws->raws_turn_to_angle_at_speed_request);
         break;
     case 23u: /* reply of turn_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_turn_to_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.turn_to_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 24u: /* request of move_by_angle */
-        canwright_flash_read(&wanted.raws_move_by_angle_request, raws_move_by_angle_request, raws,
-            sizeof wanted.raws_move_by_angle_request);
-        result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_request_decode(&found.raws_move_by_angle_request,
+        result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_request_decode(&result->raws.raws_move_by_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_move_by_angle_request_matches(&found.raws_move_by_angle_request,
-                &wanted.raws_move_by_angle_request);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_move_by_angle_request_encode(&result->written, node,
-            &wanted.raws_move_by_angle_request);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_move_by_angle_request_matches(&request.as.move_by_angle,
-                &wanted.raws_move_by_angle_request);
-        }
+            &raws->raws_move_by_angle_request);
         break;
     case 25u: /* reply of move_by_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_move_by_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.move_by_angle,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 26u: /* request of move_by_angle_at_speed */
-        canwright_flash_read(&wanted.raws_move_by_angle_at_speed_request, raws_move_by_angle_at_speed_request, raws,
-            sizeof wanted.raws_move_by_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_decode(&found.raws_move_by_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_decode(&result->raws.raws_move_by_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_matches(&found.raws_move_by_angle_at_speed_request,
-                &wanted.raws_move_by_angle_at_speed_request);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_move_by_angle_at_speed_request);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_move_by_angle_at_speed_request_matches(&request.as.move_by_angle_at_speed,
-                &wanted.raws_move_by_angle_at_speed_request);
-        }
+            &raws->raws_move_by_angle_at_speed_request);
         break;
     case 27u: /* reply of move_by_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_move_by_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.move_by_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 28u: /* request of read_control_parameter_torque_limit */
         result->decoded = mwd_motor_v2_35_2024_02_read_param_torque_limit_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_read_param_torque_limit_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT
-                && request.node == result->node;
-        }
         break;
     case 29u: /* reply of read_control_parameter_torque_limit */
-        canwright_flash_read(&wanted.raws_control_parameters_torque_limit, raws_control_parameters_torque_limit, raws,
-            sizeof wanted.raws_control_parameters_torque_limit);
-        result->decoded = mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_decode(&found.raws_control_parameters_torque_limit,
+        result->decoded = mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_decode(&result->raws.raws_control_parameters_torque_limit,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&found.raws_control_parameters_torque_limit,
-                &wanted.raws_control_parameters_torque_limit);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_read_param_torque_limit_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_torque_limit);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&reply.as.read_param_torque_limit,
-                &wanted.raws_control_parameters_torque_limit);
-        }
+            &raws->raws_control_parameters_torque_limit);
         break;
     case 30u: /* request of read_control_parameter_acceleration_limit */
         result->decoded = mwd_motor_v2_35_2024_02_read_param_acceleration_limit_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_read_param_acceleration_limit_request_encode(&result->written,
             node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT
-                && request.node == result->node;
-        }
         break;
     case 31u: /* reply of read_control_parameter_acceleration_limit */
-        canwright_flash_read(&wanted.raws_control_parameters_acceleration_limit,
-            raws_control_parameters_acceleration_limit, raws,
-            sizeof wanted.raws_control_parameters_acceleration_limit);
-        result->decoded = mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_decode(&found.raws_control_parameters_acceleration_limit,
+        result->decoded = mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_decode(&result->raws.raws_control_parameters_acceleration_limit,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&found.raws_control_parameters_acceleration_limit,
-                &wanted.raws_control_parameters_acceleration_limit);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_read_param_acceleration_limit_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_acceleration_limit);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&reply.as.read_param_acceleration_limit,
-                &wanted.raws_control_parameters_acceleration_limit);
-        }
+            &raws->raws_control_parameters_acceleration_limit);
         break;
     case 32u: /* request of read_control_parameter_speed_limit */
         result->decoded = mwd_motor_v2_35_2024_02_read_param_speed_limit_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_read_param_speed_limit_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_SPEED_LIMIT
-                && request.node == result->node;
-        }
         break;
     case 33u: /* reply of read_control_parameter_speed_limit */
-        canwright_flash_read(&wanted.raws_control_parameters_speed_limit, raws_control_parameters_speed_limit, raws,
-            sizeof wanted.raws_control_parameters_speed_limit);
-        result->decoded = mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_decode(&found.raws_control_parameters_speed_limit,
+        result->decoded = mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_decode(&result->raws.raws_control_parameters_speed_limit,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&found.raws_control_parameters_speed_limit,
-                &wanted.raws_control_parameters_speed_limit);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_read_param_speed_limit_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_speed_limit);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_SPEED_LIMIT
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&reply.as.read_param_speed_limit,
-                &wanted.raws_control_parameters_speed_limit);
-        }
+            &raws->raws_control_parameters_speed_limit);
         break;
     case 34u: /* request of write_control_parameter_ram_torque_limit */
-        canwright_flash_read(&wanted.raws_control_parameters_torque_limit, raws_control_parameters_torque_limit, raws,
-            sizeof wanted.raws_control_parameters_torque_limit);
-        result->decoded = mwd_motor_v2_35_2024_02_set_param_torque_limit_request_decode(&found.raws_control_parameters_torque_limit,
+        result->decoded = mwd_motor_v2_35_2024_02_set_param_torque_limit_request_decode(&result->raws.raws_control_parameters_torque_limit,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&found.raws_control_parameters_torque_limit,
-                &wanted.raws_control_parameters_torque_limit);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_torque_limit_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_torque_limit);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&request.as.set_param_torque_limit,
-                &wanted.raws_control_parameters_torque_limit);
-        }
+            &raws->raws_control_parameters_torque_limit);
         break;
     case 35u: /* reply of write_control_parameter_ram_torque_limit */
-        canwright_flash_read(&wanted.raws_control_parameters_torque_limit, raws_control_parameters_torque_limit, raws,
-            sizeof wanted.raws_control_parameters_torque_limit);
-        result->decoded = mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_decode(&found.raws_control_parameters_torque_limit,
+        result->decoded = mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_decode(&result->raws.raws_control_parameters_torque_limit,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&found.raws_control_parameters_torque_limit,
-                &wanted.raws_control_parameters_torque_limit);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_torque_limit_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_torque_limit);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_torque_limit_matches(&reply.as.set_param_torque_limit,
-                &wanted.raws_control_parameters_torque_limit);
-        }
+            &raws->raws_control_parameters_torque_limit);
         break;
     case 36u: /* request of write_control_parameter_ram_acceleration_limit */
-        canwright_flash_read(&wanted.raws_control_parameters_acceleration_limit,
-            raws_control_parameters_acceleration_limit, raws,
-            sizeof wanted.raws_control_parameters_acceleration_limit);
-        result->decoded = mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_decode(&found.raws_control_parameters_acceleration_limit,
+        result->decoded = mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_decode(&result->raws.raws_control_parameters_acceleration_limit,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&found.raws_control_parameters_acceleration_limit,
-                &wanted.raws_control_parameters_acceleration_limit);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_acceleration_limit_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_acceleration_limit);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&request.as.set_param_acceleration_limit,
-                &wanted.raws_control_parameters_acceleration_limit);
-        }
+            &raws->raws_control_parameters_acceleration_limit);
         break;
     case 37u: /* reply of write_control_parameter_ram_acceleration_limit */
-        canwright_flash_read(&wanted.raws_control_parameters_acceleration_limit,
-            raws_control_parameters_acceleration_limit, raws,
-            sizeof wanted.raws_control_parameters_acceleration_limit);
-        result->decoded = mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_decode(&found.raws_control_parameters_acceleration_limit,
+        result->decoded = mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_decode(&result->raws.raws_control_parameters_acceleration_limit,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&found.raws_control_parameters_acceleration_limit,
-                &wanted.raws_control_parameters_acceleration_limit);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_acceleration_limit_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_acceleration_limit);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_acceleration_limit_matches(&reply.as.set_param_acceleration_limit,
-                &wanted.raws_control_parameters_acceleration_limit);
-        }
+            &raws->raws_control_parameters_acceleration_limit);
         break;
     case 38u: /* request of write_control_parameter_ram_speed_limit */
-        canwright_flash_read(&wanted.raws_control_parameters_speed_limit, raws_control_parameters_speed_limit, raws,
-            sizeof wanted.raws_control_parameters_speed_limit);
-        result->decoded = mwd_motor_v2_35_2024_02_set_param_speed_limit_request_decode(&found.raws_control_parameters_speed_limit,
+        result->decoded = mwd_motor_v2_35_2024_02_set_param_speed_limit_request_decode(&result->raws.raws_control_parameters_speed_limit,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&found.raws_control_parameters_speed_limit,
-                &wanted.raws_control_parameters_speed_limit);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_speed_limit_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_speed_limit);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&request.as.set_param_speed_limit,
-                &wanted.raws_control_parameters_speed_limit);
-        }
+            &raws->raws_control_parameters_speed_limit);
         break;
     case 39u: /* reply of write_control_parameter_ram_speed_limit */
-        canwright_flash_read(&wanted.raws_control_parameters_speed_limit, raws_control_parameters_speed_limit, raws,
-            sizeof wanted.raws_control_parameters_speed_limit);
-        result->decoded = mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_decode(&found.raws_control_parameters_speed_limit,
+        result->decoded = mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_decode(&result->raws.raws_control_parameters_speed_limit,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&found.raws_control_parameters_speed_limit,
-                &wanted.raws_control_parameters_speed_limit);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_set_param_speed_limit_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_speed_limit);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_control_parameters_speed_limit_matches(&reply.as.set_param_speed_limit,
-                &wanted.raws_control_parameters_speed_limit);
-        }
+            &raws->raws_control_parameters_speed_limit);
         break;
     case 40u: /* request of read_encoder */
         result->decoded = mwd_motor_v2_35_2024_02_read_encoder_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_read_encoder_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER
-                && request.node == result->node;
-        }
         break;
     case 41u: /* reply of read_encoder */
-        canwright_flash_read(&wanted.raws_read_encoder_reply, raws_read_encoder_reply, raws,
-            sizeof wanted.raws_read_encoder_reply);
-        result->decoded = mwd_motor_v2_35_2024_02_read_encoder_reply_decode(&found.raws_read_encoder_reply,
+        result->decoded = mwd_motor_v2_35_2024_02_read_encoder_reply_decode(&result->raws.raws_read_encoder_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_read_encoder_reply_matches(&found.raws_read_encoder_reply,
-                &wanted.raws_read_encoder_reply);
-        }
-        if (mwd_motor_v2_35_2024_02_read_encoder_reply_check(&field, &wanted.raws_read_encoder_reply,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_read_encoder_reply_encode(&result->written, node,
-            &wanted.raws_read_encoder_reply, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_read_encoder_reply_matches(&reply.as.read_encoder,
-                &wanted.raws_read_encoder_reply);
-        }
+            &raws->raws_read_encoder_reply, parameters);
         break;
     case 42u: /* request of write_encoder_offset_rom */
-        canwright_flash_read(&wanted.raws_write_encoder_offset_rom, raws_write_encoder_offset_rom, raws,
-            sizeof wanted.raws_write_encoder_offset_rom);
-        result->decoded = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_decode(&found.raws_write_encoder_offset_rom,
+        result->decoded = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_decode(&result->raws.raws_write_encoder_offset_rom,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_matches(&found.raws_write_encoder_offset_rom,
-                &wanted.raws_write_encoder_offset_rom);
-        }
-        if (mwd_motor_v2_35_2024_02_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_request_encode(&result->written, node,
-            &wanted.raws_write_encoder_offset_rom, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM
-                && request.node == result->node
-                && mwd_motor_v2_35_2024_02_write_encoder_offset_rom_matches(&request.as.write_encoder_offset_rom,
-                &wanted.raws_write_encoder_offset_rom);
-        }
+            &raws->raws_write_encoder_offset_rom, parameters);
         break;
     case 43u: /* reply of write_encoder_offset_rom */
-        canwright_flash_read(&wanted.raws_write_encoder_offset_rom, raws_write_encoder_offset_rom, raws,
-            sizeof wanted.raws_write_encoder_offset_rom);
-        result->decoded = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_decode(&found.raws_write_encoder_offset_rom,
+        result->decoded = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_decode(&result->raws.raws_write_encoder_offset_rom,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_matches(&found.raws_write_encoder_offset_rom,
-                &wanted.raws_write_encoder_offset_rom);
-        }
-        if (mwd_motor_v2_35_2024_02_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_write_encoder_offset_rom_reply_encode(&result->written, node,
-            &wanted.raws_write_encoder_offset_rom, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_write_encoder_offset_rom_matches(&reply.as.write_encoder_offset_rom,
-                &wanted.raws_write_encoder_offset_rom);
-        }
+            &raws->raws_write_encoder_offset_rom, parameters);
         break;
     case 44u: /* request of write_position_as_zero_rom */
         result->decoded = mwd_motor_v2_35_2024_02_write_position_as_zero_rom_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_write_position_as_zero_rom_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM
-                && request.node == result->node;
-        }
         break;
     case 45u: /* reply of write_position_as_zero_rom */
-        canwright_flash_read(&wanted.raws_write_position_as_zero_rom_reply, raws_write_position_as_zero_rom_reply,
-            raws, sizeof wanted.raws_write_position_as_zero_rom_reply);
-        result->decoded = mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_decode(&found.raws_write_position_as_zero_rom_reply,
+        result->decoded = mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_decode(&result->raws.raws_write_position_as_zero_rom_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_matches(&found.raws_write_position_as_zero_rom_reply,
-                &wanted.raws_write_position_as_zero_rom_reply);
-        }
-        if (mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_check(&field,
-            &wanted.raws_write_position_as_zero_rom_reply, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_encode(&result->written, node,
-            &wanted.raws_write_position_as_zero_rom_reply, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_write_position_as_zero_rom_reply_matches(&reply.as.write_position_as_zero_rom,
-                &wanted.raws_write_position_as_zero_rom_reply);
-        }
+            &raws->raws_write_position_as_zero_rom_reply, parameters);
         break;
     case 46u: /* request of read_multi_turn_angle */
         result->decoded = mwd_motor_v2_35_2024_02_read_multi_turn_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_read_multi_turn_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 47u: /* reply of read_multi_turn_angle */
-        canwright_flash_read(&wanted.raws_read_multi_turn_angle_reply, raws_read_multi_turn_angle_reply, raws,
-            sizeof wanted.raws_read_multi_turn_angle_reply);
-        result->decoded = mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_decode(&found.raws_read_multi_turn_angle_reply,
+        result->decoded = mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_decode(&result->raws.raws_read_multi_turn_angle_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_matches(&found.raws_read_multi_turn_angle_reply,
-                &wanted.raws_read_multi_turn_angle_reply);
-        }
-        if (mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_check(&field,
-            &wanted.raws_read_multi_turn_angle_reply) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_encode(&result->written, node,
-            &wanted.raws_read_multi_turn_angle_reply);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_read_multi_turn_angle_reply_matches(&reply.as.read_multi_turn_angle,
-                &wanted.raws_read_multi_turn_angle_reply);
-        }
+            &raws->raws_read_multi_turn_angle_reply);
         break;
     case 48u: /* request of read_single_turn_angle */
         result->decoded = mwd_motor_v2_35_2024_02_read_single_turn_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_read_single_turn_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 49u: /* reply of read_single_turn_angle */
-        canwright_flash_read(&wanted.raws_read_single_turn_angle_reply, raws_read_single_turn_angle_reply, raws,
-            sizeof wanted.raws_read_single_turn_angle_reply);
-        result->decoded = mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_decode(&found.raws_read_single_turn_angle_reply,
+        result->decoded = mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_decode(&result->raws.raws_read_single_turn_angle_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_matches(&found.raws_read_single_turn_angle_reply,
-                &wanted.raws_read_single_turn_angle_reply);
-        }
-        if (mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_check(&field,
-            &wanted.raws_read_single_turn_angle_reply, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_encode(&result->written, node,
-            &wanted.raws_read_single_turn_angle_reply, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_read_single_turn_angle_reply_matches(&reply.as.read_single_turn_angle,
-                &wanted.raws_read_single_turn_angle_reply);
-        }
+            &raws->raws_read_single_turn_angle_reply, parameters);
         break;
     case 50u: /* request of set_angle */
-        canwright_flash_read(&wanted.raws_set_angle, raws_set_angle, raws, sizeof wanted.raws_set_angle);
-        result->decoded = mwd_motor_v2_35_2024_02_set_angle_request_decode(&found.raws_set_angle, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_angle_matches(&found.raws_set_angle, &wanted.raws_set_angle);
-        }
+        result->decoded = mwd_motor_v2_35_2024_02_set_angle_request_decode(&result->raws.raws_set_angle,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_35_2024_02_set_angle_request_encode(&result->written, node,
-            &wanted.raws_set_angle);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE
-                && request.node == result->node && mwd_motor_v2_35_2024_02_set_angle_matches(&request.as.set_angle,
-                &wanted.raws_set_angle);
-        }
+            &raws->raws_set_angle);
         break;
     case 51u: /* reply of set_angle */
-        canwright_flash_read(&wanted.raws_set_angle, raws_set_angle, raws, sizeof wanted.raws_set_angle);
-        result->decoded = mwd_motor_v2_35_2024_02_set_angle_reply_decode(&found.raws_set_angle, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_set_angle_matches(&found.raws_set_angle, &wanted.raws_set_angle);
-        }
+        result->decoded = mwd_motor_v2_35_2024_02_set_angle_reply_decode(&result->raws.raws_set_angle, &result->node,
+            frame);
         result->encoded = mwd_motor_v2_35_2024_02_set_angle_reply_encode(&result->written, node,
-            &wanted.raws_set_angle);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_set_angle_matches(&reply.as.set_angle,
-                &wanted.raws_set_angle);
-        }
+            &raws->raws_set_angle);
         break;
     case 52u: /* request of read_status_1 */
         result->decoded = mwd_motor_v2_35_2024_02_read_status_1_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_read_status_1_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1
-                && request.node == result->node;
-        }
         break;
     case 53u: /* reply of read_status_1 */
-        canwright_flash_read(&wanted.raws_status_1, raws_status_1, raws, sizeof wanted.raws_status_1);
-        result->decoded = mwd_motor_v2_35_2024_02_read_status_1_reply_decode(&found.raws_status_1, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
-        }
-        if (mwd_motor_v2_35_2024_02_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_2024_02_read_status_1_reply_decode(&result->raws.raws_status_1,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_35_2024_02_read_status_1_reply_encode(&result->written, node,
-            &wanted.raws_status_1);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_status_1_matches(&reply.as.read_status_1,
-                &wanted.raws_status_1);
-        }
+            &raws->raws_status_1);
         break;
     case 54u: /* request of clear_errors */
         result->decoded = mwd_motor_v2_35_2024_02_clear_errors_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_clear_errors_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS
-                && request.node == result->node;
-        }
         break;
     case 55u: /* reply of clear_errors */
-        canwright_flash_read(&wanted.raws_status_1, raws_status_1, raws, sizeof wanted.raws_status_1);
-        result->decoded = mwd_motor_v2_35_2024_02_clear_errors_reply_decode(&found.raws_status_1, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
-        }
-        if (mwd_motor_v2_35_2024_02_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_2024_02_clear_errors_reply_decode(&result->raws.raws_status_1,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_35_2024_02_clear_errors_reply_encode(&result->written, node,
-            &wanted.raws_status_1);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS
-                && reply.node == result->node && mwd_motor_v2_35_2024_02_status_1_matches(&reply.as.clear_errors,
-                &wanted.raws_status_1);
-        }
+            &raws->raws_status_1);
         break;
     case 56u: /* request of read_status_2 */
         result->decoded = mwd_motor_v2_35_2024_02_read_status_2_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_read_status_2_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2
-                && request.node == result->node;
-        }
         break;
     case 57u: /* reply of read_status_2 */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_2024_02_read_status_2_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_2024_02_read_status_2_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_2024_02_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_2024_02_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_2024_02_read_status_2_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_motion_feedback_matches(&reply.as.read_status_2,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 58u: /* request of read_status_3 */
         result->decoded = mwd_motor_v2_35_2024_02_read_status_3_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_2024_02_read_status_3_request_encode(&result->written, node, parameters);
-        if (mwd_motor_v2_35_2024_02_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3
-                && request.node == result->node;
-        }
         break;
     case 59u: /* reply of read_status_3 */
-        canwright_flash_read(&wanted.raws_read_status_3_reply, raws_read_status_3_reply, raws,
-            sizeof wanted.raws_read_status_3_reply);
-        result->decoded = mwd_motor_v2_35_2024_02_read_status_3_reply_decode(&found.raws_read_status_3_reply,
+        result->decoded = mwd_motor_v2_35_2024_02_read_status_3_reply_decode(&result->raws.raws_read_status_3_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_2024_02_read_status_3_reply_matches(&found.raws_read_status_3_reply,
-                &wanted.raws_read_status_3_reply);
-        }
         result->encoded = mwd_motor_v2_35_2024_02_read_status_3_reply_encode(&result->written, node,
-            &wanted.raws_read_status_3_reply);
-        if (mwd_motor_v2_35_2024_02_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3
-                && reply.node == result->node
-                && mwd_motor_v2_35_2024_02_read_status_3_reply_matches(&reply.as.read_status_3,
-                &wanted.raws_read_status_3_reply);
-        }
+            &raws->raws_read_status_3_reply);
         break;
     default:
+        result->decoded = CANWRIGHT_UNKNOWN_CODE;
+        result->encoded = CANWRIGHT_UNKNOWN_CODE;
         break;
     }
-    result->field = (uint16_t)field;
 }
 
 /** Runs the self-test; `result` describes the first case that failed. Returns the number of cases that failed. */
@@ -1716,2020 +1084,1149 @@ static inline uint16_t mwd_motor_v2_35_2024_02_selftest(canwright_selftest_t *re
         {MWD_MOTOR_V2_35_2024_02_SERIES_UNKNOWN, MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_UNKNOWN, {6, 1u}},
         {MWD_MOTOR_V2_35_2024_02_SERIES_MF, MWD_MOTOR_V2_35_2024_02_ENCODER_BITS_15, {0, 0u}},
     };
-    static const canwright_golden_t frames[] CANWRIGHT_FLASH = {
-        /* 1: request of motor_off */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 2: request of motor_off */
-        {{0x160u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 3: request of motor_off */
-        {{0x141u, {0x80u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 4: reply of motor_off */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 1u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 5: reply of motor_off */
-        {{0x154u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 1u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 6: request of motor_on */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 7: request of motor_on */
-        {{0x160u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 8: request of motor_on */
-        {{0x141u, {0x88u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 9: reply of motor_on */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 3u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 10: reply of motor_on */
-        {{0x154u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 3u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 11: request of motor_on */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 12: request of motor_stop */
-        {{0x141u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 13: request of motor_stop */
-        {{0x160u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 14: request of motor_stop */
-        {{0x141u, {0x81u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 15: reply of motor_stop */
-        {{0x141u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 5u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 16: reply of motor_stop */
-        {{0x154u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 5u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 17: request of motor_stop */
-        {{0x141u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 18: request of brake */
-        {{0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 19: request of brake */
-        {{0x141u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 20: request of brake */
-        {{0x141u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 21: request of brake */
-        {{0x160u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 6u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 22: request of brake */
-        {{0x160u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 6u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 23: request of brake */
-        {{0x160u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 6u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 24: request of brake */
-        {{0x141u, {0x8Cu, 0x02u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 25: request of brake */
-        {{0x141u, {0x8Cu, 0x03u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 26: request of brake */
-        {{0x141u, {0x8Cu, 0x0Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 27: request of brake */
-        {{0x141u, {0x8Cu, 0x11u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 28: request of brake */
-        {{0x141u, {0x8Cu, 0x12u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 29: request of brake */
-        {{0x141u, {0x8Cu, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 30: request of brake */
-        {{0x141u, {0x8Cu, 0x01u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 6u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 31: request of brake */
-        {{0x141u, {0x8Cu, 0x10u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu}}, 1u, 6u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 32: reply of brake */
-        {{0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 33: reply of brake */
-        {{0x154u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 7u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 34: reply of brake */
-        {{0x141u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 35: reply of brake */
-        {{0x154u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 7u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 36: reply of brake */
-        {{0x141u, {0x8Cu, 0x02u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 37: reply of brake */
-        {{0x141u, {0x8Cu, 0x03u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 38: reply of brake */
-        {{0x141u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 39: reply of brake */
-        {{0x141u, {0x8Cu, 0xFEu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 40: reply of brake */
-        {{0x141u, {0x8Cu, 0x01u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 7u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 41: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xC8u, 0x00u, 0x00u, 0x00u}}, 1u, 8u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 42: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 1u, 8u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 43: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x02u, 0x00u, 0x00u}}, 1u, 8u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 44: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xAEu, 0xFCu, 0x00u, 0x00u}}, 20u, 8u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 45: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 20u, 8u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 46: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 8u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 47: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 8u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 48: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x51u, 0x03u, 0x00u, 0x00u}}, 20u, 8u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 49: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xAFu, 0xFCu, 0x00u, 0x00u}}, 20u, 8u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 50: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 20u, 8u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 51: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x53u, 0x03u, 0x00u, 0x00u}}, 1u, 8u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 52: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xADu, 0xFCu, 0x00u, 0x00u}}, 1u, 8u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 53: request of set_power */
-        {{0x141u, {0xA0u, 0x11u, 0x22u, 0x33u, 0x2Cu, 0x01u, 0x44u, 0x55u}}, 1u, 8u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 54: reply of set_power */
-        {{0x141u, {0xA0u, 0x19u, 0xE8u, 0x03u, 0x98u, 0xFEu, 0x34u, 0x12u}}, 1u, 9u, 0u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 55: reply of set_power */
-        {{0x160u, {0xA0u, 0x80u, 0x18u, 0xFCu, 0xFFu, 0x7Fu, 0xFFu, 0x7Fu}}, 32u, 9u, 1u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 56: reply of set_power */
-        {{0x141u, {0xA0u, 0x7Fu, 0xFFu, 0xFFu, 0x00u, 0x80u, 0xFFu, 0xFFu}}, 1u, 9u, 2u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 57: reply of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x3Fu}}, 1u, 9u, 3u, 3u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 58: reply of set_power */
-        {{0x141u, {0xA0u, 0x1Eu, 0x52u, 0x03u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 9u, 4u, 3u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 59: reply of set_power */
-        {{0x141u, {0xA0u, 0x1Eu, 0xADu, 0xFCu, 0x02u, 0x01u, 0x04u, 0x03u}}, 1u, 9u, 5u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 60: reply of set_power */
-        {{0x141u, {0xA0u, 0x1Eu, 0xE9u, 0x03u, 0x01u, 0x00u, 0x01u, 0x00u}}, 1u, 9u, 6u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 61: reply of set_power */
-        {{0x141u, {0xA0u, 0x1Eu, 0x17u, 0xFCu, 0x01u, 0x00u, 0x01u, 0x00u}}, 1u, 9u, 7u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 62: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 63: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 64: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 10u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 65: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x32u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 2u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 66: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xC4u, 0x09u, 0x00u, 0x00u}}, 1u, 10u, 3u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 67: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 10u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 68: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 10u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 69: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 10u, 4u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 70: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 10u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 71: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 10u, 5u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 72: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 10u, 5u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 73: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 10u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 74: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 10u, 6u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 75: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 10u, 6u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 76: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 7u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 77: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 7u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 78: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 7u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 79: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 8u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 80: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 8u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 81: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 8u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 82: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 10u, 9u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 83: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 10u, 9u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 84: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 10u, 9u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 85: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x08u, 0x00u, 0x00u}}, 1u, 10u, 10u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 86: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xF7u, 0x00u, 0x00u}}, 1u, 10u, 11u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 87: request of set_torque */
-        {{0x141u, {0xA1u, 0x01u, 0x02u, 0x03u, 0x39u, 0xFEu, 0x04u, 0x05u}}, 1u, 10u, 12u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 88: reply of set_torque */
-        {{0x141u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 11u, 8u, 7u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 89: reply of set_torque */
-        {{0x160u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 11u, 9u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 90: reply of set_torque */
-        {{0x141u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 11u, 8u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 91: reply of set_torque */
-        {{0x160u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 11u, 9u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 92: reply of set_torque */
-        {{0x141u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 11u, 8u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 93: reply of set_torque */
-        {{0x160u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 11u, 9u, 12u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 94: reply of set_torque */
-        {{0x141u, {0xA1u, 0x7Fu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu, 0xFFu, 0x7Fu}}, 1u, 11u, 10u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 95: reply of set_torque */
-        {{0x141u, {0xA1u, 0x80u, 0x01u, 0x00u, 0x00u, 0x80u, 0xFFu, 0xFFu}}, 1u, 11u, 11u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 96: reply of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 11u, 12u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 97: reply of set_torque */
-        {{0x141u, {0xA1u, 0x01u, 0xB8u, 0x0Bu, 0xFFu, 0xFFu, 0xFFu, 0x3Fu}}, 1u, 11u, 13u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 98: reply of set_torque */
-        {{0x141u, {0xA1u, 0x01u, 0xFFu, 0x7Fu, 0x02u, 0x00u, 0x01u, 0x02u}}, 1u, 11u, 14u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 99: reply of set_torque */
-        {{0x141u, {0xA1u, 0x01u, 0x00u, 0x80u, 0x03u, 0x00u, 0x02u, 0x02u}}, 1u, 11u, 15u, 7u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 100: reply of set_torque */
-        {{0x141u, {0xA1u, 0x01u, 0x48u, 0xF4u, 0xFFu, 0xFFu, 0x00u, 0x40u}}, 1u, 11u, 16u, 12u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 101: reply of set_torque */
-        {{0x141u, {0xA1u, 0x01u, 0x05u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x80u}}, 1u, 11u, 17u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 102: reply of set_torque */
-        {{0x141u, {0xA1u, 0x21u, 0xB3u, 0xFFu, 0x01u, 0x00u, 0x01u, 0x80u}}, 1u, 11u, 18u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 103: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 12u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 104: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x28u, 0x23u, 0x00u, 0x00u}}, 1u, 12u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 105: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x40u, 0x19u, 0x01u, 0x00u}}, 1u, 12u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 106: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x20u, 0x4Eu, 0x00u, 0x00u}}, 1u, 12u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 107: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 12u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 108: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 12u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 109: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 110: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xD8u, 0xDCu, 0xFFu, 0xFFu}}, 1u, 12u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 111: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xB4u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 112: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 12u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 113: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 12u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 114: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 12u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 115: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 116: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 12u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 117: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 14u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 118: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x39u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 15u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 119: request of set_speed */
-        {{0x141u, {0xA2u, 0x01u, 0x02u, 0x03u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 12u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 120: reply of set_speed */
-        {{0x141u, {0xA2u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 13u, 19u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 121: reply of set_speed */
-        {{0x142u, {0xA2u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 13u, 20u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 122: reply of set_speed */
-        {{0x154u, {0xA2u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 13u, 21u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 123: reply of set_speed */
-        {{0x160u, {0xA2u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 13u, 22u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 124: request of set_speed_limited */
-        {{0x141u, {0xADu, 0x00u, 0x64u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 14u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 125: request of set_speed_limited */
-        {{0x154u, {0xADu, 0x00u, 0x00u, 0x08u, 0xD8u, 0xDCu, 0xFFu, 0xFFu}}, 20u, 14u, 1u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 126: request of set_speed_limited */
-        {{0x160u, {0xADu, 0x00u, 0x00u, 0xF8u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 14u, 2u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 127: request of set_speed_limited */
-        {{0x141u, {0xADu, 0x00u, 0x64u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 14u, 0u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 128: request of set_speed_limited */
-        {{0x154u, {0xADu, 0x00u, 0x00u, 0x08u, 0xD8u, 0xDCu, 0xFFu, 0xFFu}}, 20u, 14u, 1u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 129: request of set_speed_limited */
-        {{0x160u, {0xADu, 0x00u, 0x00u, 0xF8u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 14u, 2u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 130: request of set_speed_limited */
-        {{0x141u, {0xADu, 0x00u, 0x64u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 14u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 131: request of set_speed_limited */
-        {{0x154u, {0xADu, 0x00u, 0x00u, 0x08u, 0xD8u, 0xDCu, 0xFFu, 0xFFu}}, 20u, 14u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 132: request of set_speed_limited */
-        {{0x160u, {0xADu, 0x00u, 0x00u, 0xF8u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 14u, 2u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 133: request of set_speed_limited */
-        {{0x160u, {0xADu, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 14u, 3u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 134: request of set_speed_limited */
-        {{0x141u, {0xADu, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 14u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 135: request of set_speed_limited */
-        {{0x141u, {0xADu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 14u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 136: request of set_speed_limited */
-        {{0x141u, {0xADu, 0x00u, 0x02u, 0x01u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 14u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 137: request of set_speed_limited */
-        {{0x141u, {0xADu, 0x00u, 0x04u, 0x03u, 0xFCu, 0xFCu, 0xFDu, 0xFEu}}, 1u, 14u, 7u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 138: request of set_speed_limited */
-        {{0x142u, {0xADu, 0x00u, 0xF4u, 0x01u, 0x01u, 0x00u, 0x00u, 0x00u}}, 2u, 14u, 8u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 139: request of set_speed_limited */
-        {{0x143u, {0xADu, 0x00u, 0x2Cu, 0x01u, 0x94u, 0x11u, 0x00u, 0x00u}}, 3u, 14u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 140: request of set_speed_limited */
-        {{0x141u, {0xADu, 0x00u, 0x01u, 0x08u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 14u, 10u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 141: request of set_speed_limited */
-        {{0x141u, {0xADu, 0x00u, 0xFFu, 0xF7u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 14u, 11u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 142: request of set_speed_limited */
-        {{0x141u, {0xADu, 0xFFu, 0x64u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 14u, 12u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 143: reply of set_speed_limited */
-        {{0x141u, {0xADu, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 15u, 19u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 144: reply of set_speed_limited */
-        {{0x142u, {0xADu, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 15u, 20u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 145: reply of set_speed_limited */
-        {{0x154u, {0xADu, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 15u, 21u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 146: reply of set_speed_limited */
-        {{0x160u, {0xADu, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 15u, 22u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 147: reply of set_speed_limited */
-        {{0x141u, {0xADu, 0xFBu, 0x01u, 0x08u, 0x68u, 0x01u, 0x01u, 0x00u}}, 1u, 15u, 23u, 12u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 148: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 16u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 149: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x80u, 0xEEu, 0x36u, 0x00u}}, 1u, 16u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 150: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x2Au, 0x00u, 0x00u}}, 1u, 16u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 151: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 16u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 152: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x0Au, 0x00u, 0x00u, 0x00u}}, 1u, 16u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 153: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 16u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 154: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 31u, 16u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 155: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 31u, 16u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 156: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 31u, 16u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 157: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 31u, 16u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 158: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x0Du, 0x0Cu, 0x0Bu, 0x0Au}}, 31u, 16u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 159: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 31u, 16u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 160: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 31u, 16u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 161: request of move_to_angle */
-        {{0x141u, {0xA3u, 0xFFu, 0xFFu, 0xFFu, 0x10u, 0x27u, 0x00u, 0x00u}}, 1u, 16u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 162: reply of move_to_angle */
-        {{0x141u, {0xA3u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 17u, 19u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 163: reply of move_to_angle */
-        {{0x142u, {0xA3u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 17u, 20u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 164: reply of move_to_angle */
-        {{0x154u, {0xA3u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 17u, 21u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 165: reply of move_to_angle */
-        {{0x160u, {0xA3u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 17u, 22u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 166: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xD0u, 0x02u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 18u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 167: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x78u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+    /* Of each message its command, the number of its layout, and whether it is a reply. */
+    static const canwright_golden_message_t messages[] CANWRIGHT_FLASH = {
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_OFF, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_ON, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOTOR_STOP, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE, 1, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_BRAKE, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER, 3, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_POWER, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE, 5, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_TORQUE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED, 6, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED, 7, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_SPEED_LIMITED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE, 8, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED, 9, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_TO_ANGLE_AT_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE, 10, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED, 11, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_TURN_TO_ANGLE_AT_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE, 12, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_MOVE_BY_ANGLE_AT_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_TORQUE_LIMIT, 14, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_ACCELERATION_LIMIT, 15, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_SPEED_LIMIT, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_PARAM_SPEED_LIMIT, 16, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT, 14, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_TORQUE_LIMIT, 14, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT, 15, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_ACCELERATION_LIMIT, 15, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT, 16, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_PARAM_SPEED_LIMIT, 16, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_ENCODER, 17, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM, 18, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_ENCODER_OFFSET_ROM, 18, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_WRITE_POSITION_AS_ZERO_ROM, 19, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_MULTI_TURN_ANGLE, 20, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_SINGLE_TURN_ANGLE, 21, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE, 22, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_SET_ANGLE, 22, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_1, 23, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_CLEAR_ERRORS, 23, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_2, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_2024_02_COMMAND_READ_STATUS_3, 24, true},
+    };
+    /* Id, data, node, message, raw integers, field, parameters, length, kind, status. */
+    static const canwright_case_t cases[] CANWRIGHT_FLASH = {
+        {{0x141u, {0x80000000u}}, 1u, 0, 0, 0, 0, 8, 3, 0}, /* 1: request of motor_off */
+        {{0x160u, {0x80000000u}}, 32u, 0, 0, 0, 0, 8, 3, 0}, /* 2: request of motor_off */
+        {{0x141u, {0x80010203u, 0x04050607u}}, 1u, 0, 0, 0, 0, 8, 1, 0}, /* 3: request of motor_off */
+        {{0x141u, {0x80000000u}}, 1u, 1, 0, 0, 0, 8, 3, 0}, /* 4: reply of motor_off */
+        {{0x154u, {0x80000000u}}, 20u, 1, 0, 0, 0, 8, 3, 0}, /* 5: reply of motor_off */
+        {{0x141u, {0x88000000u}}, 1u, 2, 0, 0, 0, 8, 3, 0}, /* 6: request of motor_on */
+        {{0x160u, {0x88000000u}}, 32u, 2, 0, 0, 0, 8, 3, 0}, /* 7: request of motor_on */
+        {{0x141u, {0x88010203u, 0x04050607u}}, 1u, 2, 0, 0, 0, 8, 1, 0}, /* 8: request of motor_on */
+        {{0x141u, {0x88000000u}}, 1u, 3, 0, 0, 0, 8, 3, 0}, /* 9: reply of motor_on */
+        {{0x154u, {0x88000000u}}, 20u, 3, 0, 0, 0, 8, 3, 0}, /* 10: reply of motor_on */
+        {{0x141u, {0x88000000u}}, 1u, 2, 0, 0, 0, 8, 3, 0}, /* 11: request of motor_on */
+        {{0x141u, {0x81000000u}}, 1u, 4, 0, 0, 0, 8, 3, 0}, /* 12: request of motor_stop */
+        {{0x160u, {0x81000000u}}, 32u, 4, 0, 0, 0, 8, 3, 0}, /* 13: request of motor_stop */
+        {{0x141u, {0x81010203u, 0x04050607u}}, 1u, 4, 0, 0, 0, 8, 1, 0}, /* 14: request of motor_stop */
+        {{0x141u, {0x81000000u}}, 1u, 5, 0, 0, 0, 8, 3, 0}, /* 15: reply of motor_stop */
+        {{0x154u, {0x81000000u}}, 20u, 5, 0, 0, 0, 8, 3, 0}, /* 16: reply of motor_stop */
+        {{0x141u, {0x81000000u}}, 1u, 4, 0, 0, 0, 8, 3, 0}, /* 17: request of motor_stop */
+        {{0x141u, {0x8C000000u}}, 1u, 6, 0, 0, 0, 8, 3, 0}, /* 18: request of brake */
+        {{0x141u, {0x8C010000u}}, 1u, 6, 1, 0, 0, 8, 3, 0}, /* 19: request of brake */
+        {{0x141u, {0x8C100000u}}, 1u, 6, 2, 0, 0, 8, 3, 0}, /* 20: request of brake */
+        {{0x160u, {0x8C000000u}}, 32u, 6, 0, 0, 0, 8, 3, 0}, /* 21: request of brake */
+        {{0x160u, {0x8C010000u}}, 32u, 6, 1, 0, 0, 8, 3, 0}, /* 22: request of brake */
+        {{0x160u, {0x8C100000u}}, 32u, 6, 2, 0, 0, 8, 3, 0}, /* 23: request of brake */
+        {{0x141u, {0x8C020000u}}, 1u, 6, 3, 0, 0, 8, 1, 0}, /* 24: request of brake */
+        {{0x141u, {0x8C030000u}}, 1u, 6, 4, 0, 0, 8, 1, 0}, /* 25: request of brake */
+        {{0x141u, {0x8C0F0000u}}, 1u, 6, 5, 0, 0, 8, 1, 0}, /* 26: request of brake */
+        {{0x141u, {0x8C110000u}}, 1u, 6, 6, 0, 0, 8, 1, 0}, /* 27: request of brake */
+        {{0x141u, {0x8C120000u}}, 1u, 6, 7, 0, 0, 8, 1, 0}, /* 28: request of brake */
+        {{0x141u, {0x8CFF0000u}}, 1u, 6, 8, 0, 0, 8, 1, 0}, /* 29: request of brake */
+        {{0x141u, {0x8C010102u, 0x03040506u}}, 1u, 6, 1, 0, 0, 8, 1, 0}, /* 30: request of brake */
+        {{0x141u, {0x8C10FF00u, 0x000000FFu}}, 1u, 6, 2, 0, 0, 8, 1, 0}, /* 31: request of brake */
+        {{0x141u, {0x8C000000u}}, 1u, 7, 0, 0, 0, 8, 3, 0}, /* 32: reply of brake */
+        {{0x154u, {0x8C000000u}}, 20u, 7, 0, 0, 0, 8, 3, 0}, /* 33: reply of brake */
+        {{0x141u, {0x8C010000u}}, 1u, 7, 1, 0, 0, 8, 3, 0}, /* 34: reply of brake */
+        {{0x154u, {0x8C010000u}}, 20u, 7, 1, 0, 0, 8, 3, 0}, /* 35: reply of brake */
+        {{0x141u, {0x8C020000u}}, 1u, 7, 2, 0, 0, 8, 1, 0}, /* 36: reply of brake */
+        {{0x141u, {0x8C030000u}}, 1u, 7, 3, 0, 0, 8, 1, 0}, /* 37: reply of brake */
+        {{0x141u, {0x8C100000u}}, 1u, 7, 4, 0, 0, 8, 1, 0}, /* 38: reply of brake */
+        {{0x141u, {0x8CFE0000u}}, 1u, 7, 5, 0, 0, 8, 1, 0}, /* 39: reply of brake */
+        {{0x141u, {0x8C010102u, 0x03040506u}}, 1u, 7, 1, 0, 0, 8, 1, 0}, /* 40: reply of brake */
+        {{0x141u, {0xA0000000u, 0xC8000000u}}, 1u, 8, 0, 0, 0, 8, 3, 0}, /* 41: request of set_power */
+        {{0x141u, {0xA0000000u, 0x52030000u}}, 1u, 8, 1, 0, 0, 8, 3, 0}, /* 42: request of set_power */
+        {{0x141u, {0xA0000000u, 0x00020000u}}, 1u, 8, 2, 0, 0, 8, 3, 0}, /* 43: request of set_power */
+        {{0x154u, {0xA0000000u, 0xAEFC0000u}}, 20u, 8, 3, 0, 0, 8, 3, 0}, /* 44: request of set_power */
+        {{0x154u, {0xA0000000u, 0xFFFF0000u}}, 20u, 8, 4, 0, 0, 8, 3, 0}, /* 45: request of set_power */
+        {{0x154u, {0xA0000000u}}, 20u, 8, 5, 0, 0, 8, 3, 0}, /* 46: request of set_power */
+        {{0x154u, {0xA0000000u, 0x01000000u}}, 20u, 8, 6, 0, 0, 8, 3, 0}, /* 47: request of set_power */
+        {{0x154u, {0xA0000000u, 0x51030000u}}, 20u, 8, 7, 0, 0, 8, 3, 0}, /* 48: request of set_power */
+        {{0x154u, {0xA0000000u, 0xAFFC0000u}}, 20u, 8, 8, 0, 0, 8, 3, 0}, /* 49: request of set_power */
+        {{0x154u, {0xA0000000u, 0x02010000u}}, 20u, 8, 9, 0, 0, 8, 3, 0}, /* 50: request of set_power */
+        {{0x141u, {0xA0000000u, 0x53030000u}}, 1u, 8, 10, 0, 0, 8, 1, 0}, /* 51: request of set_power */
+        {{0x141u, {0xA0000000u, 0xADFC0000u}}, 1u, 8, 11, 0, 0, 8, 1, 0}, /* 52: request of set_power */
+        {{0x141u, {0xA0112233u, 0x2C014455u}}, 1u, 8, 12, 0, 0, 8, 1, 0}, /* 53: request of set_power */
+        {{0x141u, {0xA019E803u, 0x98FE3412u}}, 1u, 9, 0, 0, 1, 8, 3, 0}, /* 54: reply of set_power */
+        {{0x160u, {0xA08018FCu, 0xFF7FFF7Fu}}, 32u, 9, 1, 0, 1, 8, 3, 0}, /* 55: reply of set_power */
+        {{0x141u, {0xA07FFFFFu, 0x0080FFFFu}}, 1u, 9, 2, 0, 2, 8, 3, 0}, /* 56: reply of set_power */
+        {{0x141u, {0xA0000100u, 0xFFFFFF3Fu}}, 1u, 9, 3, 0, 3, 8, 3, 0}, /* 57: reply of set_power */
+        {{0x141u, {0xA01E5203u}}, 1u, 9, 4, 0, 3, 8, 3, 0}, /* 58: reply of set_power */
+        {{0x141u, {0xA01EADFCu, 0x02010403u}}, 1u, 9, 5, 0, 2, 8, 3, 0}, /* 59: reply of set_power */
+        {{0x141u, {0xA01EE903u, 0x01000100u}}, 1u, 9, 6, 0, 2, 8, 1, 0}, /* 60: reply of set_power */
+        {{0x141u, {0xA01E17FCu, 0x01000100u}}, 1u, 9, 7, 0, 2, 8, 1, 0}, /* 61: reply of set_power */
+        {{0x141u, {0xA1000000u, 0x64000000u}}, 1u, 10, 0, 0, 4, 8, 3, 0}, /* 62: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x64000000u}}, 1u, 10, 0, 0, 5, 8, 3, 0}, /* 63: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xD0070000u}}, 1u, 10, 1, 0, 4, 8, 3, 0}, /* 64: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x32000000u}}, 1u, 10, 2, 0, 5, 8, 3, 0}, /* 65: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xC4090000u}}, 1u, 10, 3, 0, 4, 8, 1, 0}, /* 66: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 10, 4, 0, 4, 8, 3, 0}, /* 67: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 10, 4, 0, 5, 8, 3, 0}, /* 68: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 10, 4, 0, 6, 8, 3, 0}, /* 69: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 10, 5, 0, 4, 8, 3, 0}, /* 70: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 10, 5, 0, 5, 8, 3, 0}, /* 71: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 10, 5, 0, 6, 8, 3, 0}, /* 72: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 10, 6, 0, 4, 8, 3, 0}, /* 73: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 10, 6, 0, 5, 8, 3, 0}, /* 74: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 10, 6, 0, 6, 8, 3, 0}, /* 75: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 10, 7, 0, 4, 8, 3, 0}, /* 76: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 10, 7, 0, 5, 8, 3, 0}, /* 77: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 10, 7, 0, 6, 8, 3, 0}, /* 78: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 10, 8, 0, 4, 8, 3, 0}, /* 79: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 10, 8, 0, 5, 8, 3, 0}, /* 80: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 10, 8, 0, 6, 8, 3, 0}, /* 81: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 10, 9, 0, 4, 8, 3, 0}, /* 82: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 10, 9, 0, 5, 8, 3, 0}, /* 83: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 10, 9, 0, 6, 8, 3, 0}, /* 84: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x01080000u}}, 1u, 10, 10, 0, 4, 8, 1, 0}, /* 85: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xFFF70000u}}, 1u, 10, 11, 0, 5, 8, 1, 0}, /* 86: request of set_torque */
+        {{0x141u, {0xA1010203u, 0x39FE0405u}}, 1u, 10, 12, 0, 4, 8, 1, 0}, /* 87: request of set_torque */
+        {{0x141u, {0xA1320008u, 0xF401E803u}}, 1u, 11, 8, 0, 7, 8, 3, 0}, /* 88: reply of set_torque */
+        {{0x160u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 11, 9, 0, 8, 8, 3, 0}, /* 89: reply of set_torque */
+        {{0x141u, {0xA1320008u, 0xF401E803u}}, 1u, 11, 8, 0, 9, 8, 3, 0}, /* 90: reply of set_torque */
+        {{0x160u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 11, 9, 0, 10, 8, 3, 0}, /* 91: reply of set_torque */
+        {{0x141u, {0xA1320008u, 0xF401E803u}}, 1u, 11, 8, 0, 11, 8, 3, 0}, /* 92: reply of set_torque */
+        {{0x160u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 11, 9, 0, 12, 8, 3, 0}, /* 93: reply of set_torque */
+        {{0x141u, {0xA17FFFFFu, 0xFF7FFF7Fu}}, 1u, 11, 10, 0, 13, 8, 3, 0}, /* 94: reply of set_torque */
+        {{0x141u, {0xA1800100u, 0x0080FFFFu}}, 1u, 11, 11, 0, 11, 8, 3, 0}, /* 95: reply of set_torque */
+        {{0x141u, {0xA1000000u}}, 1u, 11, 12, 0, 8, 8, 3, 0}, /* 96: reply of set_torque */
+        {{0x141u, {0xA101B80Bu, 0xFFFFFF3Fu}}, 1u, 11, 13, 0, 13, 8, 3, 0}, /* 97: reply of set_torque */
+        {{0x141u, {0xA101FF7Fu, 0x02000102u}}, 1u, 11, 14, 0, 11, 8, 3, 0}, /* 98: reply of set_torque */
+        {{0x141u, {0xA1010080u, 0x03000202u}}, 1u, 11, 15, 0, 7, 8, 3, 0}, /* 99: reply of set_torque */
+        {{0x141u, {0xA10148F4u, 0xFFFF0040u}}, 1u, 11, 16, 0, 12, 8, 1, 0}, /* 100: reply of set_torque */
+        {{0x141u, {0xA1010500u, 0xFFFF0080u}}, 1u, 11, 17, 0, 13, 8, 1, 0}, /* 101: reply of set_torque */
+        {{0x141u, {0xA121B3FFu, 0x01000180u}}, 1u, 11, 18, 0, 4, 8, 3, 0}, /* 102: reply of set_torque */
+        {{0x141u, {0xA2000000u, 0xA08C0000u}}, 1u, 12, 0, 0, 0, 8, 3, 0}, /* 103: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x28230000u}}, 1u, 12, 1, 0, 0, 8, 3, 0}, /* 104: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x40190100u}}, 1u, 12, 2, 0, 0, 8, 3, 0}, /* 105: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x204E0000u}}, 1u, 12, 3, 0, 0, 8, 3, 0}, /* 106: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x50460000u}}, 1u, 12, 4, 0, 0, 8, 3, 0}, /* 107: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x94110000u}}, 1u, 12, 5, 0, 0, 8, 3, 0}, /* 108: request of set_speed */
+        {{0x141u, {0xA2000000u}}, 1u, 12, 6, 0, 0, 8, 3, 0}, /* 109: request of set_speed */
+        {{0x141u, {0xA2000000u, 0xD8DCFFFFu}}, 1u, 12, 7, 0, 0, 8, 3, 0}, /* 110: request of set_speed */
+        {{0x141u, {0xA2000000u, 0xB4000000u}}, 1u, 12, 8, 0, 0, 8, 3, 0}, /* 111: request of set_speed */
+        {{0x154u, {0xA2000000u, 0xFFFFFF7Fu}}, 20u, 12, 9, 0, 0, 8, 3, 0}, /* 112: request of set_speed */
+        {{0x154u, {0xA2000000u, 0x00000080u}}, 20u, 12, 10, 0, 0, 8, 3, 0}, /* 113: request of set_speed */
+        {{0x154u, {0xA2000000u, 0xFFFFFFFFu}}, 20u, 12, 11, 0, 0, 8, 3, 0}, /* 114: request of set_speed */
+        {{0x154u, {0xA2000000u, 0x01000000u}}, 20u, 12, 12, 0, 0, 8, 3, 0}, /* 115: request of set_speed */
+        {{0x154u, {0xA2000000u, 0x04030201u}}, 20u, 12, 13, 0, 0, 8, 3, 0}, /* 116: request of set_speed */
+        {{0x154u, {0xA2000000u, 0x1D000000u}}, 20u, 12, 14, 0, 0, 8, 3, 0}, /* 117: request of set_speed */
+        {{0x154u, {0xA2000000u, 0x39000000u}}, 20u, 12, 15, 0, 0, 8, 3, 0}, /* 118: request of set_speed */
+        {{0x141u, {0xA2010203u, 0x04030201u}}, 1u, 12, 13, 0, 0, 8, 1, 0}, /* 119: request of set_speed */
+        {{0x141u, {0xA2280903u, 0x18FC401Fu}}, 1u, 13, 19, 0, 1, 8, 3, 0}, /* 120: reply of set_speed */
+        {{0x142u, {0xA229F006u, 0x17FC411Fu}}, 2u, 13, 20, 0, 8, 8, 3, 0}, /* 121: reply of set_speed */
+        {{0x154u, {0xA22AEF06u, 0x16FC421Fu}}, 20u, 13, 21, 0, 9, 8, 3, 0}, /* 122: reply of set_speed */
+        {{0x160u, {0xA22BEE06u, 0x15FC431Fu}}, 32u, 13, 22, 0, 11, 8, 3, 0}, /* 123: reply of set_speed */
+        {{0x141u, {0xAD006400u, 0xA08C0000u}}, 1u, 14, 0, 0, 5, 8, 3, 0}, /* 124: request of set_speed_limited */
+        {{0x154u, {0xAD000008u, 0xD8DCFFFFu}}, 20u, 14, 1, 0, 5, 8, 3, 0}, /* 125: request of set_speed_limited */
+        {{0x160u, {0xAD0000F8u, 0xFFFFFF7Fu}}, 32u, 14, 2, 0, 5, 8, 3, 0}, /* 126: request of set_speed_limited */
+        {{0x141u, {0xAD006400u, 0xA08C0000u}}, 1u, 14, 0, 0, 6, 8, 3, 0}, /* 127: request of set_speed_limited */
+        {{0x154u, {0xAD000008u, 0xD8DCFFFFu}}, 20u, 14, 1, 0, 6, 8, 3, 0}, /* 128: request of set_speed_limited */
+        {{0x160u, {0xAD0000F8u, 0xFFFFFF7Fu}}, 32u, 14, 2, 0, 6, 8, 3, 0}, /* 129: request of set_speed_limited */
+        {{0x141u, {0xAD006400u, 0xA08C0000u}}, 1u, 14, 0, 0, 4, 8, 3, 0}, /* 130: request of set_speed_limited */
+        {{0x154u, {0xAD000008u, 0xD8DCFFFFu}}, 20u, 14, 1, 0, 4, 8, 3, 0}, /* 131: request of set_speed_limited */
+        {{0x160u, {0xAD0000F8u, 0xFFFFFF7Fu}}, 32u, 14, 2, 0, 4, 8, 3, 0}, /* 132: request of set_speed_limited */
+        {{0x160u, {0xAD00FFFFu, 0x00000080u}}, 32u, 14, 3, 0, 4, 8, 3, 0}, /* 133: request of set_speed_limited */
+        {{0x141u, {0xAD000100u, 0xFFFFFFFFu}}, 1u, 14, 4, 0, 5, 8, 3, 0}, /* 134: request of set_speed_limited */
+        {{0x141u, {0xAD000000u}}, 1u, 14, 5, 0, 4, 8, 3, 0}, /* 135: request of set_speed_limited */
+        {{0x141u, {0xAD000201u, 0x03040506u}}, 1u, 14, 6, 0, 4, 8, 3, 0}, /* 136: request of set_speed_limited */
+        {{0x141u, {0xAD000403u, 0xFCFCFDFEu}}, 1u, 14, 7, 0, 5, 8, 3, 0}, /* 137: request of set_speed_limited */
+        {{0x142u, {0xAD00F401u, 0x01000000u}}, 2u, 14, 8, 0, 14, 8, 3, 0}, /* 138: request of set_speed_limited */
+        {{0x143u, {0xAD002C01u, 0x94110000u}}, 3u, 14, 9, 0, 0, 8, 3, 0}, /* 139: request of set_speed_limited */
+        {{0x141u, {0xAD000108u, 0x64000000u}}, 1u, 14, 10, 0, 4, 8, 1, 0}, /* 140: request of set_speed_limited */
+        {{0x141u, {0xAD00FFF7u, 0x64000000u}}, 1u, 14, 11, 0, 5, 8, 1, 0}, /* 141: request of set_speed_limited */
+        {{0x141u, {0xADFF6400u, 0x94110000u}}, 1u, 14, 12, 0, 4, 8, 1, 0}, /* 142: request of set_speed_limited */
+        {{0x141u, {0xAD280903u, 0x18FC401Fu}}, 1u, 15, 19, 0, 1, 8, 3, 0}, /* 143: reply of set_speed_limited */
+        {{0x142u, {0xAD29F006u, 0x17FC411Fu}}, 2u, 15, 20, 0, 8, 8, 3, 0}, /* 144: reply of set_speed_limited */
+        {{0x154u, {0xAD2AEF06u, 0x16FC421Fu}}, 20u, 15, 21, 0, 9, 8, 3, 0}, /* 145: reply of set_speed_limited */
+        {{0x160u, {0xAD2BEE06u, 0x15FC431Fu}}, 32u, 15, 22, 0, 11, 8, 3, 0}, /* 146: reply of set_speed_limited */
+        {{0x141u, {0xADFB0108u, 0x68010100u}}, 1u, 15, 23, 0, 12, 8, 3, 0}, /* 147: reply of set_speed_limited */
+        {{0x141u, {0xA3000000u, 0xA08C0000u}}, 1u, 16, 0, 0, 0, 8, 3, 0}, /* 148: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x80EE3600u}}, 1u, 16, 1, 0, 0, 8, 3, 0}, /* 149: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0xF82A0000u}}, 1u, 16, 2, 0, 0, 8, 3, 0}, /* 150: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x64000000u}}, 1u, 16, 3, 0, 0, 8, 3, 0}, /* 151: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x0A000000u}}, 1u, 16, 4, 0, 0, 8, 3, 0}, /* 152: request of move_to_angle */
+        {{0x141u, {0xA3000000u}}, 1u, 16, 5, 0, 0, 8, 3, 0}, /* 153: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xFFFFFF7Fu}}, 31u, 16, 6, 0, 0, 8, 3, 0}, /* 154: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x00000080u}}, 31u, 16, 7, 0, 0, 8, 3, 0}, /* 155: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xFFFFFFFFu}}, 31u, 16, 8, 0, 0, 8, 3, 0}, /* 156: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x01000000u}}, 31u, 16, 9, 0, 0, 8, 3, 0}, /* 157: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x0D0C0B0Au}}, 31u, 16, 10, 0, 0, 8, 3, 0}, /* 158: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xB0B9FFFFu}}, 31u, 16, 11, 0, 0, 8, 3, 0}, /* 159: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x1D000000u}}, 31u, 16, 12, 0, 0, 8, 3, 0}, /* 160: request of move_to_angle */
+        {{0x141u, {0xA3FFFFFFu, 0x10270000u}}, 1u, 16, 13, 0, 0, 8, 1, 0}, /* 161: request of move_to_angle */
+        {{0x141u, {0xA3280903u, 0x18FC401Fu}}, 1u, 17, 19, 0, 1, 8, 3, 0}, /* 162: reply of move_to_angle */
+        {{0x142u, {0xA329F006u, 0x17FC411Fu}}, 2u, 17, 20, 0, 8, 8, 3, 0}, /* 163: reply of move_to_angle */
+        {{0x154u, {0xA32AEF06u, 0x16FC421Fu}}, 20u, 17, 21, 0, 9, 8, 3, 0}, /* 164: reply of move_to_angle */
+        {{0x160u, {0xA32BEE06u, 0x15FC431Fu}}, 32u, 17, 22, 0, 11, 8, 3, 0}, /* 165: reply of move_to_angle */
+        {{0x141u, {0xA400D002u, 0xA08C0000u}}, 1u, 18, 0, 0, 0, 8, 3, 0}, /* 166: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4007800u, 0x50460000u}}, 1u, 18, 1, 0, 0, 8, 3, 0}, /* 167: request of move_to_angle_at_speed */
         /* 168: request of move_to_angle_at_speed */
-        {{0x154u, {0xA4u, 0x00u, 0x78u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 20u, 18u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 169: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 170: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x28u, 0x23u, 0x00u, 0x00u}}, 1u, 18u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 171: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x10u, 0x27u, 0x00u, 0x00u}}, 1u, 18u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 172: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xD0u, 0x02u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 18u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 173: request of move_to_angle_at_speed */
-        {{0x142u, {0xA4u, 0x00u, 0x78u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 2u, 18u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 174: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 18u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 175: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xF4u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 18u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xA4007800u, 0xB0B9FFFFu}}, 20u, 18, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA4002C01u, 0x50460000u}}, 1u, 18, 3, 0, 0, 8, 3, 0}, /* 169: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4002C01u, 0x28230000u}}, 1u, 18, 4, 0, 0, 8, 3, 0}, /* 170: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4002C01u, 0x10270000u}}, 1u, 18, 5, 0, 0, 8, 3, 0}, /* 171: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400D002u, 0x94110000u}}, 1u, 18, 6, 0, 0, 8, 3, 0}, /* 172: request of move_to_angle_at_speed */
+        {{0x142u, {0xA4007800u, 0xB0B9FFFFu}}, 2u, 18, 2, 0, 0, 8, 3, 0}, /* 173: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400F401u, 0xA08C0000u}}, 1u, 18, 7, 0, 0, 8, 3, 0}, /* 174: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400F401u}}, 1u, 18, 8, 0, 0, 8, 3, 0}, /* 175: request of move_to_angle_at_speed */
         /* 176: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 18u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA400FFFFu, 0xFFFFFF7Fu}}, 32u, 18, 9, 0, 0, 8, 3, 0},
         /* 177: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 18u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000000u, 0x00000080u}}, 32u, 18, 10, 0, 0, 8, 3, 0},
         /* 178: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 18u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000100u, 0xFFFFFFFFu}}, 32u, 18, 11, 0, 0, 8, 3, 0},
         /* 179: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x03u}}, 32u, 18u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 180: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0xFFu, 0x2Cu, 0x01u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 181: reply of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 19u, 19u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 182: reply of move_to_angle_at_speed */
-        {{0x142u, {0xA4u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 19u, 20u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 183: reply of move_to_angle_at_speed */
-        {{0x154u, {0xA4u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 19u, 21u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000201u, 0x06050403u}}, 32u, 18, 12, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA4FF2C01u, 0x50460000u}}, 1u, 18, 3, 0, 0, 8, 1, 0}, /* 180: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4280903u, 0x18FC401Fu}}, 1u, 19, 19, 0, 1, 8, 3, 0}, /* 181: reply of move_to_angle_at_speed */
+        {{0x142u, {0xA429F006u, 0x17FC411Fu}}, 2u, 19, 20, 0, 8, 8, 3, 0}, /* 182: reply of move_to_angle_at_speed */
+        {{0x154u, {0xA42AEF06u, 0x16FC421Fu}}, 20u, 19, 21, 0, 9, 8, 3, 0}, /* 183: reply of move_to_angle_at_speed */
         /* 184: reply of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 19u, 22u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 185: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 20u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 186: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 20u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 187: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x0Cu, 0x7Bu, 0x00u, 0x00u}}, 1u, 20u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 188: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x78u, 0x69u, 0x00u, 0x00u}}, 1u, 20u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 189: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 20u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 190: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x78u, 0x69u, 0x00u, 0x00u}}, 1u, 20u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 191: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0xE4u, 0x57u, 0x00u, 0x00u}}, 1u, 20u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 192: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 20u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 193: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 20u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 194: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 20u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 195: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x81u}}, 20u, 20u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 196: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x02u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 20u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 197: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x03u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 20u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 198: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0xFEu, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 20u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 199: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0xAAu, 0xBBu, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 20u, 14u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 200: reply of turn_to_angle */
-        {{0x141u, {0xA5u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 21u, 19u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 201: reply of turn_to_angle */
-        {{0x142u, {0xA5u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 21u, 20u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 202: reply of turn_to_angle */
-        {{0x154u, {0xA5u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 21u, 21u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 203: reply of turn_to_angle */
-        {{0x160u, {0xA5u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 21u, 22u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 204: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x00u, 0xD0u, 0x02u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 22u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 205: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 22u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 206: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x01u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 22u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA42BEE06u, 0x15FC431Fu}}, 32u, 19, 22, 0, 11, 8, 3, 0},
+        {{0x141u, {0xA5000000u, 0x50460000u}}, 1u, 20, 0, 0, 0, 8, 3, 0}, /* 185: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x9F8C0000u}}, 1u, 20, 1, 0, 0, 8, 3, 0}, /* 186: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x0C7B0000u}}, 1u, 20, 2, 0, 0, 8, 3, 0}, /* 187: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x78690000u}}, 1u, 20, 3, 0, 0, 8, 3, 0}, /* 188: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0x9F8C0000u}}, 1u, 20, 4, 0, 0, 8, 3, 0}, /* 189: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0x78690000u}}, 1u, 20, 5, 0, 0, 8, 3, 0}, /* 190: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0xE4570000u}}, 1u, 20, 6, 0, 0, 8, 3, 0}, /* 191: request of turn_to_angle */
+        {{0x154u, {0xA5000000u, 0xFFFFFFFFu}}, 20u, 20, 7, 0, 0, 8, 3, 0}, /* 192: request of turn_to_angle */
+        {{0x154u, {0xA5010000u}}, 20u, 20, 8, 0, 0, 8, 3, 0}, /* 193: request of turn_to_angle */
+        {{0x154u, {0xA5000000u, 0x01000000u}}, 20u, 20, 9, 0, 0, 8, 3, 0}, /* 194: request of turn_to_angle */
+        {{0x154u, {0xA5010000u, 0x04030281u}}, 20u, 20, 10, 0, 0, 8, 3, 0}, /* 195: request of turn_to_angle */
+        {{0x141u, {0xA5020000u, 0x50460000u}}, 1u, 20, 11, 0, 0, 8, 1, 0}, /* 196: request of turn_to_angle */
+        {{0x141u, {0xA5030000u, 0x50460000u}}, 1u, 20, 12, 0, 0, 8, 1, 0}, /* 197: request of turn_to_angle */
+        {{0x141u, {0xA5FE0000u, 0x50460000u}}, 1u, 20, 13, 0, 0, 8, 1, 0}, /* 198: request of turn_to_angle */
+        {{0x141u, {0xA501AABBu, 0x50460000u}}, 1u, 20, 14, 0, 0, 8, 1, 0}, /* 199: request of turn_to_angle */
+        {{0x141u, {0xA5280903u, 0x18FC401Fu}}, 1u, 21, 19, 0, 1, 8, 3, 0}, /* 200: reply of turn_to_angle */
+        {{0x142u, {0xA529F006u, 0x17FC411Fu}}, 2u, 21, 20, 0, 8, 8, 3, 0}, /* 201: reply of turn_to_angle */
+        {{0x154u, {0xA52AEF06u, 0x16FC421Fu}}, 20u, 21, 21, 0, 9, 8, 3, 0}, /* 202: reply of turn_to_angle */
+        {{0x160u, {0xA52BEE06u, 0x15FC431Fu}}, 32u, 21, 22, 0, 11, 8, 3, 0}, /* 203: reply of turn_to_angle */
+        {{0x141u, {0xA600D002u, 0x50460000u}}, 1u, 22, 0, 0, 0, 8, 3, 0}, /* 204: request of turn_to_angle_at_speed */
+        {{0x141u, {0xA600F401u, 0xA08C0000u}}, 1u, 22, 1, 0, 0, 8, 3, 0}, /* 205: request of turn_to_angle_at_speed */
+        {{0x141u, {0xA601F401u, 0xA08C0000u}}, 1u, 22, 2, 0, 0, 8, 3, 0}, /* 206: request of turn_to_angle_at_speed */
         /* 207: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 22u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 208: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 22u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA600FFFFu, 0xFFFFFFFFu}}, 32u, 22, 3, 0, 0, 8, 3, 0},
+        {{0x160u, {0xA6010000u}}, 32u, 22, 4, 0, 0, 8, 3, 0}, /* 208: request of turn_to_angle_at_speed */
         /* 209: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x00u, 0x01u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 22u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA6000100u, 0x01000000u}}, 32u, 22, 5, 0, 0, 8, 3, 0},
         /* 210: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x01u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x83u}}, 32u, 22u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 211: reply of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 23u, 19u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 212: reply of turn_to_angle_at_speed */
-        {{0x142u, {0xA6u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 23u, 20u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 213: reply of turn_to_angle_at_speed */
-        {{0x154u, {0xA6u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 23u, 21u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA6010201u, 0x06050483u}}, 32u, 22, 6, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA6280903u, 0x18FC401Fu}}, 1u, 23, 19, 0, 1, 8, 3, 0}, /* 211: reply of turn_to_angle_at_speed */
+        {{0x142u, {0xA629F006u, 0x17FC411Fu}}, 2u, 23, 20, 0, 8, 8, 3, 0}, /* 212: reply of turn_to_angle_at_speed */
+        {{0x154u, {0xA62AEF06u, 0x16FC421Fu}}, 20u, 23, 21, 0, 9, 8, 3, 0}, /* 213: reply of turn_to_angle_at_speed */
         /* 214: reply of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 23u, 22u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 215: reply of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 23u, 24u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 216: request of move_by_angle */
-        {{0x141u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 24u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 217: request of move_by_angle */
-        {{0x141u, {0xA7u, 0x00u, 0xD0u, 0x02u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 24u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 218: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 3u, 24u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 219: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 3u, 24u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 220: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 3u, 24u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 221: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 3u, 24u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 222: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 3u, 24u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 223: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 3u, 24u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 224: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x0Du, 0x0Cu, 0x0Bu, 0x0Au}}, 3u, 24u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 225: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x48u, 0xF4u, 0xFFu, 0xFFu}}, 3u, 24u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 226: reply of move_by_angle */
-        {{0x141u, {0xA7u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 25u, 19u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 227: reply of move_by_angle */
-        {{0x142u, {0xA7u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 25u, 20u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 228: reply of move_by_angle */
-        {{0x154u, {0xA7u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 25u, 21u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 229: reply of move_by_angle */
-        {{0x160u, {0xA7u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 25u, 22u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 230: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xD0u, 0x02u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 1u, 26u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 231: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xD0u, 0x02u, 0x48u, 0xF4u, 0xFFu, 0xFFu}}, 1u, 26u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 232: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 26u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 233: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xF4u, 0x01u, 0x60u, 0x73u, 0xFFu, 0xFFu}}, 1u, 26u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA62BEE06u, 0x15FC431Fu}}, 32u, 23, 22, 0, 11, 8, 3, 0},
+        {{0x141u, {0xA6326400u, 0xF401E803u}}, 1u, 23, 24, 0, 11, 8, 3, 0}, /* 215: reply of turn_to_angle_at_speed */
+        {{0x141u, {0xA7000000u, 0x94110000u}}, 1u, 24, 0, 0, 0, 8, 3, 0}, /* 216: request of move_by_angle */
+        {{0x141u, {0xA700D002u, 0x94110000u}}, 1u, 24, 0, 0, 0, 8, 1, 0}, /* 217: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x94110000u}}, 3u, 24, 0, 0, 0, 8, 3, 0}, /* 218: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0xFFFFFF7Fu}}, 3u, 24, 1, 0, 0, 8, 3, 0}, /* 219: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x00000080u}}, 3u, 24, 2, 0, 0, 8, 3, 0}, /* 220: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0xFFFFFFFFu}}, 3u, 24, 3, 0, 0, 8, 3, 0}, /* 221: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x01000000u}}, 3u, 24, 4, 0, 0, 8, 3, 0}, /* 222: request of move_by_angle */
+        {{0x143u, {0xA7000000u}}, 3u, 24, 5, 0, 0, 8, 3, 0}, /* 223: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x0D0C0B0Au}}, 3u, 24, 6, 0, 0, 8, 3, 0}, /* 224: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x48F4FFFFu}}, 3u, 24, 7, 0, 0, 8, 3, 0}, /* 225: request of move_by_angle */
+        {{0x141u, {0xA7280903u, 0x18FC401Fu}}, 1u, 25, 19, 0, 1, 8, 3, 0}, /* 226: reply of move_by_angle */
+        {{0x142u, {0xA729F006u, 0x17FC411Fu}}, 2u, 25, 20, 0, 8, 8, 3, 0}, /* 227: reply of move_by_angle */
+        {{0x154u, {0xA72AEF06u, 0x16FC421Fu}}, 20u, 25, 21, 0, 9, 8, 3, 0}, /* 228: reply of move_by_angle */
+        {{0x160u, {0xA72BEE06u, 0x15FC431Fu}}, 32u, 25, 22, 0, 11, 8, 3, 0}, /* 229: reply of move_by_angle */
+        {{0x141u, {0xA800D002u, 0xB80B0000u}}, 1u, 26, 0, 0, 0, 8, 3, 0}, /* 230: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800D002u, 0x48F4FFFFu}}, 1u, 26, 1, 0, 0, 8, 3, 0}, /* 231: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800F401u, 0xA08C0000u}}, 1u, 26, 2, 0, 0, 8, 3, 0}, /* 232: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800F401u, 0x6073FFFFu}}, 1u, 26, 3, 0, 0, 8, 3, 0}, /* 233: request of move_by_angle_at_speed */
         /* 234: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 26u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA800FFFFu, 0xFFFFFF7Fu}}, 32u, 26, 4, 0, 0, 8, 3, 0},
         /* 235: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 26u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000000u, 0x00000080u}}, 32u, 26, 5, 0, 0, 8, 3, 0},
         /* 236: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 26u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000100u, 0xFFFFFFFFu}}, 32u, 26, 6, 0, 0, 8, 3, 0},
         /* 237: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x03u}}, 32u, 26u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 238: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0xFFu, 0xD0u, 0x02u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 1u, 26u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 239: reply of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 27u, 19u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 240: reply of move_by_angle_at_speed */
-        {{0x142u, {0xA8u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 27u, 20u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 241: reply of move_by_angle_at_speed */
-        {{0x154u, {0xA8u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 27u, 21u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000201u, 0x06050403u}}, 32u, 26, 7, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA8FFD002u, 0xB80B0000u}}, 1u, 26, 0, 0, 0, 8, 1, 0}, /* 238: request of move_by_angle_at_speed */
+        {{0x141u, {0xA8280903u, 0x18FC401Fu}}, 1u, 27, 19, 0, 1, 8, 3, 0}, /* 239: reply of move_by_angle_at_speed */
+        {{0x142u, {0xA829F006u, 0x17FC411Fu}}, 2u, 27, 20, 0, 8, 8, 3, 0}, /* 240: reply of move_by_angle_at_speed */
+        {{0x154u, {0xA82AEF06u, 0x16FC421Fu}}, 20u, 27, 21, 0, 9, 8, 3, 0}, /* 241: reply of move_by_angle_at_speed */
         /* 242: reply of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 27u, 22u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 243: reply of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0x2Du, 0x00u}}, 1u, 27u, 25u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 244: request of read_control_parameter_torque_limit */
-        {{0x141u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 28u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA82BEE06u, 0x15FC431Fu}}, 32u, 27, 22, 0, 11, 8, 3, 0},
+        {{0x141u, {0xA8326400u, 0xF4012D00u}}, 1u, 27, 25, 0, 11, 8, 3, 0}, /* 243: reply of move_by_angle_at_speed */
+        {{0x141u, {0xB00A0000u}}, 1u, 28, 0, 0, 0, 8, 3, 0}, /* 244: request of read_control_parameter_torque_limit */
         /* 245: request of read_control_parameter_torque_limit */
-        {{0x160u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 28u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00A0000u}}, 32u, 28, 0, 0, 0, 8, 3, 0},
         /* 246: request of read_control_parameter_torque_limit */
-        {{0x141u, {0xB0u, 0x0Au, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 28u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xB00A0203u, 0x04050607u}}, 1u, 28, 0, 0, 0, 8, 1, 0},
         /* 247: reply of read_control_parameter_torque_limit */
-        {{0x160u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 32u, 29u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00A0000u, 0xE8030000u}}, 32u, 29, 0, 0, 0, 8, 3, 0},
         /* 248: reply of read_control_parameter_torque_limit */
-        {{0x141u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 29u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00A0000u, 0x01000000u}}, 1u, 29, 1, 0, 0, 8, 3, 0},
         /* 249: reply of read_control_parameter_torque_limit */
-        {{0x141u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 29u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 250: reply of read_control_parameter_torque_limit */
-        {{0x141u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 29u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00A0000u, 0xFFFF0000u}}, 1u, 29, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0xB00A0000u}}, 1u, 29, 3, 0, 0, 8, 3, 0}, /* 250: reply of read_control_parameter_torque_limit */
         /* 251: reply of read_control_parameter_torque_limit */
-        {{0x141u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u}}, 1u, 29u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00A0000u, 0x00800000u}}, 1u, 29, 4, 0, 0, 8, 3, 0},
         /* 252: reply of read_control_parameter_torque_limit */
-        {{0x160u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0xFFu, 0x7Fu, 0x00u, 0x00u}}, 32u, 29u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00A0000u, 0xFF7F0000u}}, 32u, 29, 5, 0, 0, 8, 3, 0},
         /* 253: reply of read_control_parameter_torque_limit */
-        {{0x160u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 32u, 29u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00A0000u, 0x02010000u}}, 32u, 29, 6, 0, 0, 8, 3, 0},
         /* 254: reply of read_control_parameter_torque_limit */
-        {{0x141u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0xFCu, 0xFCu, 0x00u, 0x00u}}, 1u, 29u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00A0000u, 0xFCFC0000u}}, 1u, 29, 7, 0, 0, 8, 3, 0},
         /* 255: reply of read_control_parameter_torque_limit */
-        {{0x141u, {0xB0u, 0x0Au, 0xEEu, 0xDDu, 0x2Eu, 0xFBu, 0xCCu, 0xBBu}}, 1u, 29u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xB00AEEDDu, 0x2EFBCCBBu}}, 1u, 29, 8, 0, 0, 8, 1, 0},
         /* 256: request of read_control_parameter_acceleration_limit */
-        {{0x141u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00C0000u}}, 1u, 30, 0, 0, 0, 8, 3, 0},
         /* 257: request of read_control_parameter_acceleration_limit */
-        {{0x160u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00C0000u}}, 32u, 30, 0, 0, 0, 8, 3, 0},
         /* 258: request of read_control_parameter_acceleration_limit */
-        {{0x141u, {0xB0u, 0x0Cu, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xB00C0203u, 0x04050607u}}, 1u, 30, 0, 0, 0, 8, 1, 0},
         /* 259: reply of read_control_parameter_acceleration_limit */
-        {{0x160u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 32u, 31u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00C0000u, 0xE8030000u}}, 32u, 31, 0, 0, 0, 8, 3, 0},
         /* 260: reply of read_control_parameter_acceleration_limit */
-        {{0x141u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 31u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00C0000u, 0x01000000u}}, 1u, 31, 1, 0, 0, 8, 3, 0},
         /* 261: reply of read_control_parameter_acceleration_limit */
-        {{0x141u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 31u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00C0000u, 0xFFFFFFFFu}}, 1u, 31, 2, 0, 0, 8, 3, 0},
         /* 262: reply of read_control_parameter_acceleration_limit */
-        {{0x141u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 31u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00C0000u}}, 1u, 31, 3, 0, 0, 8, 3, 0},
         /* 263: reply of read_control_parameter_acceleration_limit */
-        {{0x141u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 31u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00C0000u, 0x00000080u}}, 1u, 31, 4, 0, 0, 8, 3, 0},
         /* 264: reply of read_control_parameter_acceleration_limit */
-        {{0x160u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 31u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00C0000u, 0xFFFFFF7Fu}}, 32u, 31, 5, 0, 0, 8, 3, 0},
         /* 265: reply of read_control_parameter_acceleration_limit */
-        {{0x160u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 32u, 31u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00C0000u, 0x02010000u}}, 32u, 31, 6, 0, 0, 8, 3, 0},
         /* 266: reply of read_control_parameter_acceleration_limit */
-        {{0x160u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 32u, 31u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00C0000u, 0x04030201u}}, 32u, 31, 7, 0, 0, 8, 3, 0},
         /* 267: reply of read_control_parameter_acceleration_limit */
-        {{0x141u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0xFCu, 0xFCu, 0xFDu, 0xFEu}}, 1u, 31u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00C0000u, 0xFCFCFDFEu}}, 1u, 31, 8, 0, 0, 8, 3, 0},
         /* 268: reply of read_control_parameter_acceleration_limit */
-        {{0x141u, {0xB0u, 0x0Cu, 0xEEu, 0xDDu, 0x2Eu, 0xFBu, 0xFFu, 0xFFu}}, 1u, 31u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 269: request of read_control_parameter_speed_limit */
-        {{0x141u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 32u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 270: request of read_control_parameter_speed_limit */
-        {{0x160u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 32u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00CEEDDu, 0x2EFBFFFFu}}, 1u, 31, 9, 0, 0, 8, 1, 0},
+        {{0x141u, {0xB00E0000u}}, 1u, 32, 0, 0, 0, 8, 3, 0}, /* 269: request of read_control_parameter_speed_limit */
+        {{0x160u, {0xB00E0000u}}, 32u, 32, 0, 0, 0, 8, 3, 0}, /* 270: request of read_control_parameter_speed_limit */
         /* 271: request of read_control_parameter_speed_limit */
-        {{0x141u, {0xB0u, 0x0Eu, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 32u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xB00E0203u, 0x04050607u}}, 1u, 32, 0, 0, 0, 8, 1, 0},
         /* 272: reply of read_control_parameter_speed_limit */
-        {{0x160u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 32u, 33u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00E0000u, 0xE8030000u}}, 32u, 33, 0, 0, 0, 8, 3, 0},
         /* 273: reply of read_control_parameter_speed_limit */
-        {{0x141u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 33u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00E0000u, 0x01000000u}}, 1u, 33, 1, 0, 0, 8, 3, 0},
         /* 274: reply of read_control_parameter_speed_limit */
-        {{0x141u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 33u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 275: reply of read_control_parameter_speed_limit */
-        {{0x141u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 33u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00E0000u, 0xFFFFFFFFu}}, 1u, 33, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0xB00E0000u}}, 1u, 33, 3, 0, 0, 8, 3, 0}, /* 275: reply of read_control_parameter_speed_limit */
         /* 276: reply of read_control_parameter_speed_limit */
-        {{0x141u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 33u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00E0000u, 0x00000080u}}, 1u, 33, 4, 0, 0, 8, 3, 0},
         /* 277: reply of read_control_parameter_speed_limit */
-        {{0x160u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 33u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00E0000u, 0xFFFFFF7Fu}}, 32u, 33, 5, 0, 0, 8, 3, 0},
         /* 278: reply of read_control_parameter_speed_limit */
-        {{0x160u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 32u, 33u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00E0000u, 0x02010000u}}, 32u, 33, 6, 0, 0, 8, 3, 0},
         /* 279: reply of read_control_parameter_speed_limit */
-        {{0x160u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 32u, 33u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB00E0000u, 0x04030201u}}, 32u, 33, 7, 0, 0, 8, 3, 0},
         /* 280: reply of read_control_parameter_speed_limit */
-        {{0x141u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0xFCu, 0xFCu, 0xFDu, 0xFEu}}, 1u, 33u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB00E0000u, 0xFCFCFDFEu}}, 1u, 33, 8, 0, 0, 8, 3, 0},
         /* 281: reply of read_control_parameter_speed_limit */
-        {{0x141u, {0xB0u, 0x0Eu, 0xEEu, 0xDDu, 0x2Eu, 0xFBu, 0xFFu, 0xFFu}}, 1u, 33u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xB00EEEDDu, 0x2EFBFFFFu}}, 1u, 33, 9, 0, 0, 8, 1, 0},
         /* 282: request of write_control_parameter_ram_torque_limit */
-        {{0x154u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 20u, 34u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10A0000u, 0xE8030000u}}, 20u, 34, 0, 0, 0, 8, 3, 0},
         /* 283: request of write_control_parameter_ram_torque_limit */
-        {{0x141u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 34u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10A0000u, 0x01000000u}}, 1u, 34, 1, 0, 0, 8, 3, 0},
         /* 284: request of write_control_parameter_ram_torque_limit */
-        {{0x141u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 34u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10A0000u, 0xFFFF0000u}}, 1u, 34, 2, 0, 0, 8, 3, 0},
         /* 285: request of write_control_parameter_ram_torque_limit */
-        {{0x141u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 34u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10A0000u}}, 1u, 34, 3, 0, 0, 8, 3, 0},
         /* 286: request of write_control_parameter_ram_torque_limit */
-        {{0x141u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u}}, 1u, 34u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10A0000u, 0x00800000u}}, 1u, 34, 4, 0, 0, 8, 3, 0},
         /* 287: request of write_control_parameter_ram_torque_limit */
-        {{0x154u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0xFFu, 0x7Fu, 0x00u, 0x00u}}, 20u, 34u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10A0000u, 0xFF7F0000u}}, 20u, 34, 5, 0, 0, 8, 3, 0},
         /* 288: request of write_control_parameter_ram_torque_limit */
-        {{0x154u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 20u, 34u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10A0000u, 0x02010000u}}, 20u, 34, 6, 0, 0, 8, 3, 0},
         /* 289: request of write_control_parameter_ram_torque_limit */
-        {{0x141u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0xFCu, 0xFCu, 0x00u, 0x00u}}, 1u, 34u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10A0000u, 0xFCFC0000u}}, 1u, 34, 7, 0, 0, 8, 3, 0},
         /* 290: request of write_control_parameter_ram_torque_limit */
-        {{0x141u, {0xB1u, 0x0Au, 0xEEu, 0xDDu, 0xD2u, 0x04u, 0xCCu, 0xBBu}}, 1u, 34u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xB10AEEDDu, 0xD204CCBBu}}, 1u, 34, 9, 0, 0, 8, 1, 0},
         /* 291: reply of write_control_parameter_ram_torque_limit */
-        {{0x160u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 32u, 35u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10A0000u, 0xE8030000u}}, 32u, 35, 0, 0, 0, 8, 3, 0},
         /* 292: reply of write_control_parameter_ram_torque_limit */
-        {{0x160u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0x84u, 0x03u, 0x00u, 0x00u}}, 32u, 35u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10A0000u, 0x84030000u}}, 32u, 35, 10, 0, 0, 8, 3, 0},
         /* 293: reply of write_control_parameter_ram_torque_limit */
-        {{0x141u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u}}, 1u, 35u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10A0000u, 0x00800000u}}, 1u, 35, 4, 0, 0, 8, 3, 0},
         /* 294: reply of write_control_parameter_ram_torque_limit */
-        {{0x160u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0xFFu, 0x7Fu, 0x00u, 0x00u}}, 32u, 35u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10A0000u, 0xFF7F0000u}}, 32u, 35, 5, 0, 0, 8, 3, 0},
         /* 295: reply of write_control_parameter_ram_torque_limit */
-        {{0x160u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0x04u, 0x03u, 0x00u, 0x00u}}, 32u, 35u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10A0000u, 0x04030000u}}, 32u, 35, 11, 0, 0, 8, 3, 0},
         /* 296: reply of write_control_parameter_ram_torque_limit */
-        {{0x141u, {0xB1u, 0x0Au, 0xEEu, 0xDDu, 0x2Eu, 0xFBu, 0xCCu, 0xBBu}}, 1u, 35u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xB10AEEDDu, 0x2EFBCCBBu}}, 1u, 35, 8, 0, 0, 8, 1, 0},
         /* 297: request of write_control_parameter_ram_acceleration_limit */
-        {{0x154u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 20u, 36u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10C0000u, 0xE8030000u}}, 20u, 36, 0, 0, 0, 8, 3, 0},
         /* 298: request of write_control_parameter_ram_acceleration_limit */
-        {{0x141u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 36u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10C0000u, 0x01000000u}}, 1u, 36, 1, 0, 0, 8, 3, 0},
         /* 299: request of write_control_parameter_ram_acceleration_limit */
-        {{0x141u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 36u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10C0000u, 0xFFFFFFFFu}}, 1u, 36, 2, 0, 0, 8, 3, 0},
         /* 300: request of write_control_parameter_ram_acceleration_limit */
-        {{0x141u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 36u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10C0000u}}, 1u, 36, 3, 0, 0, 8, 3, 0},
         /* 301: request of write_control_parameter_ram_acceleration_limit */
-        {{0x141u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 36u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10C0000u, 0x00000080u}}, 1u, 36, 4, 0, 0, 8, 3, 0},
         /* 302: request of write_control_parameter_ram_acceleration_limit */
-        {{0x154u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 36u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10C0000u, 0xFFFFFF7Fu}}, 20u, 36, 5, 0, 0, 8, 3, 0},
         /* 303: request of write_control_parameter_ram_acceleration_limit */
-        {{0x154u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 20u, 36u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10C0000u, 0x02010000u}}, 20u, 36, 6, 0, 0, 8, 3, 0},
         /* 304: request of write_control_parameter_ram_acceleration_limit */
-        {{0x154u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 36u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10C0000u, 0x04030201u}}, 20u, 36, 7, 0, 0, 8, 3, 0},
         /* 305: request of write_control_parameter_ram_acceleration_limit */
-        {{0x141u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0xFCu, 0xFCu, 0xFDu, 0xFEu}}, 1u, 36u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10C0000u, 0xFCFCFDFEu}}, 1u, 36, 8, 0, 0, 8, 3, 0},
         /* 306: request of write_control_parameter_ram_acceleration_limit */
-        {{0x141u, {0xB1u, 0x0Cu, 0xEEu, 0xDDu, 0xD2u, 0x04u, 0x00u, 0x00u}}, 1u, 36u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xB10CEEDDu, 0xD2040000u}}, 1u, 36, 10, 0, 0, 8, 1, 0},
         /* 307: reply of write_control_parameter_ram_acceleration_limit */
-        {{0x160u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 32u, 37u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10C0000u, 0xE8030000u}}, 32u, 37, 0, 0, 0, 8, 3, 0},
         /* 308: reply of write_control_parameter_ram_acceleration_limit */
-        {{0x160u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0x84u, 0x03u, 0x00u, 0x00u}}, 32u, 37u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10C0000u, 0x84030000u}}, 32u, 37, 11, 0, 0, 8, 3, 0},
         /* 309: reply of write_control_parameter_ram_acceleration_limit */
-        {{0x141u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 37u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10C0000u, 0x00000080u}}, 1u, 37, 4, 0, 0, 8, 3, 0},
         /* 310: reply of write_control_parameter_ram_acceleration_limit */
-        {{0x160u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 37u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10C0000u, 0xFFFFFF7Fu}}, 32u, 37, 5, 0, 0, 8, 3, 0},
         /* 311: reply of write_control_parameter_ram_acceleration_limit */
-        {{0x160u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0x04u, 0x03u, 0x00u, 0x00u}}, 32u, 37u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10C0000u, 0x04030000u}}, 32u, 37, 12, 0, 0, 8, 3, 0},
         /* 312: reply of write_control_parameter_ram_acceleration_limit */
-        {{0x141u, {0xB1u, 0x0Cu, 0xEEu, 0xDDu, 0x2Eu, 0xFBu, 0xFFu, 0xFFu}}, 1u, 37u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xB10CEEDDu, 0x2EFBFFFFu}}, 1u, 37, 9, 0, 0, 8, 1, 0},
         /* 313: request of write_control_parameter_ram_speed_limit */
-        {{0x154u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 20u, 38u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10E0000u, 0xE8030000u}}, 20u, 38, 0, 0, 0, 8, 3, 0},
         /* 314: request of write_control_parameter_ram_speed_limit */
-        {{0x141u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 38u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10E0000u, 0x01000000u}}, 1u, 38, 1, 0, 0, 8, 3, 0},
         /* 315: request of write_control_parameter_ram_speed_limit */
-        {{0x141u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 38u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10E0000u, 0xFFFFFFFFu}}, 1u, 38, 2, 0, 0, 8, 3, 0},
         /* 316: request of write_control_parameter_ram_speed_limit */
-        {{0x141u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 38u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10E0000u}}, 1u, 38, 3, 0, 0, 8, 3, 0},
         /* 317: request of write_control_parameter_ram_speed_limit */
-        {{0x141u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 38u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10E0000u, 0x00000080u}}, 1u, 38, 4, 0, 0, 8, 3, 0},
         /* 318: request of write_control_parameter_ram_speed_limit */
-        {{0x154u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 38u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10E0000u, 0xFFFFFF7Fu}}, 20u, 38, 5, 0, 0, 8, 3, 0},
         /* 319: request of write_control_parameter_ram_speed_limit */
-        {{0x154u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 20u, 38u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10E0000u, 0x02010000u}}, 20u, 38, 6, 0, 0, 8, 3, 0},
         /* 320: request of write_control_parameter_ram_speed_limit */
-        {{0x154u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 38u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xB10E0000u, 0x04030201u}}, 20u, 38, 7, 0, 0, 8, 3, 0},
         /* 321: request of write_control_parameter_ram_speed_limit */
-        {{0x141u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0xFCu, 0xFCu, 0xFDu, 0xFEu}}, 1u, 38u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10E0000u, 0xFCFCFDFEu}}, 1u, 38, 8, 0, 0, 8, 3, 0},
         /* 322: request of write_control_parameter_ram_speed_limit */
-        {{0x141u, {0xB1u, 0x0Eu, 0xEEu, 0xDDu, 0xD2u, 0x04u, 0x00u, 0x00u}}, 1u, 38u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xB10EEEDDu, 0xD2040000u}}, 1u, 38, 10, 0, 0, 8, 1, 0},
         /* 323: reply of write_control_parameter_ram_speed_limit */
-        {{0x160u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 32u, 39u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10E0000u, 0xE8030000u}}, 32u, 39, 0, 0, 0, 8, 3, 0},
         /* 324: reply of write_control_parameter_ram_speed_limit */
-        {{0x160u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0x84u, 0x03u, 0x00u, 0x00u}}, 32u, 39u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10E0000u, 0x84030000u}}, 32u, 39, 11, 0, 0, 8, 3, 0},
         /* 325: reply of write_control_parameter_ram_speed_limit */
-        {{0x141u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 39u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10E0000u, 0x00000080u}}, 1u, 39, 4, 0, 0, 8, 3, 0},
         /* 326: reply of write_control_parameter_ram_speed_limit */
-        {{0x160u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 39u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10E0000u, 0xFFFFFF7Fu}}, 32u, 39, 5, 0, 0, 8, 3, 0},
         /* 327: reply of write_control_parameter_ram_speed_limit */
-        {{0x160u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0x04u, 0x03u, 0x00u, 0x00u}}, 32u, 39u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xB10E0000u, 0x04030000u}}, 32u, 39, 12, 0, 0, 8, 3, 0},
         /* 328: reply of write_control_parameter_ram_speed_limit */
-        {{0x141u, {0xB1u, 0x0Eu, 0xEEu, 0xDDu, 0x2Eu, 0xFBu, 0xFFu, 0xFFu}}, 1u, 39u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 329: request of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 330: request of read_encoder */
-        {{0x160u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 331: request of read_encoder */
-        {{0x141u, {0x90u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 332: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x02u, 0x01u, 0x04u, 0x03u, 0x02u, 0x02u}}, 1u, 41u, 0u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 333: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0xFFu, 0x3Fu, 0x00u, 0x00u, 0x01u, 0x00u}}, 1u, 41u, 1u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 334: reply of read_encoder */
-        {{0x154u, {0x90u, 0x00u, 0xFFu, 0x7Fu, 0x34u, 0x12u, 0x00u, 0x40u}}, 20u, 41u, 2u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 335: reply of read_encoder */
-        {{0x160u, {0x90u, 0x00u, 0xFFu, 0xFFu, 0x01u, 0x80u, 0x00u, 0x80u}}, 32u, 41u, 3u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 336: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 41u, 4u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 337: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0xCDu, 0xABu, 0xDEu, 0xBCu, 0x11u, 0x11u}}, 1u, 41u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 338: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x00u, 0x40u, 0x01u, 0x00u, 0x02u, 0x00u}}, 1u, 41u, 6u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 339: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x01u, 0x00u, 0x00u, 0x80u, 0x02u, 0x00u}}, 1u, 41u, 7u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 340: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x0Au, 0x00u, 0x14u, 0x00u, 0xFFu, 0x3Fu}}, 1u, 41u, 8u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xB10EEEDDu, 0x2EFBFFFFu}}, 1u, 39, 9, 0, 0, 8, 1, 0},
+        {{0x141u, {0x90000000u}}, 1u, 40, 0, 0, 0, 8, 3, 0}, /* 329: request of read_encoder */
+        {{0x160u, {0x90000000u}}, 32u, 40, 0, 0, 0, 8, 3, 0}, /* 330: request of read_encoder */
+        {{0x141u, {0x90010203u, 0x04050607u}}, 1u, 40, 0, 0, 0, 8, 1, 0}, /* 331: request of read_encoder */
+        {{0x141u, {0x90000201u, 0x04030202u}}, 1u, 41, 0, 0, 15, 8, 3, 0}, /* 332: reply of read_encoder */
+        {{0x141u, {0x9000FF3Fu, 0x00000100u}}, 1u, 41, 1, 0, 15, 8, 3, 0}, /* 333: reply of read_encoder */
+        {{0x154u, {0x9000FF7Fu, 0x34120040u}}, 20u, 41, 2, 0, 16, 8, 3, 0}, /* 334: reply of read_encoder */
+        {{0x160u, {0x9000FFFFu, 0x01800080u}}, 32u, 41, 3, 0, 17, 8, 3, 0}, /* 335: reply of read_encoder */
+        {{0x141u, {0x90000000u}}, 1u, 41, 4, 0, 17, 8, 3, 0}, /* 336: reply of read_encoder */
+        {{0x141u, {0x9000CDABu, 0xDEBC1111u}}, 1u, 41, 5, 0, 0, 8, 3, 0}, /* 337: reply of read_encoder */
+        {{0x141u, {0x90000040u, 0x01000200u}}, 1u, 41, 6, 0, 15, 8, 1, 0}, /* 338: reply of read_encoder */
+        {{0x141u, {0x90000100u, 0x00800200u}}, 1u, 41, 7, 0, 16, 8, 1, 0}, /* 339: reply of read_encoder */
+        {{0x141u, {0x90000A00u, 0x1400FF3Fu}}, 1u, 41, 8, 0, 15, 8, 3, 0}, /* 340: reply of read_encoder */
         /* 341: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x20u}}, 1u, 42u, 0u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x00000020u}}, 1u, 42, 0, 0, 15, 8, 3, 0},
         /* 342: reply of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x20u}}, 1u, 43u, 0u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 343: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 42u, 1u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x00000020u}}, 1u, 43, 0, 0, 15, 8, 3, 0},
+        {{0x141u, {0x91000000u}}, 1u, 42, 1, 0, 15, 8, 3, 0}, /* 343: request of write_encoder_offset_rom */
         /* 344: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x3Fu}}, 1u, 42u, 2u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x0000FF3Fu}}, 1u, 42, 2, 0, 15, 8, 3, 0},
         /* 345: request of write_encoder_offset_rom */
-        {{0x154u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x7Fu}}, 20u, 42u, 3u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x91000000u, 0x0000FF7Fu}}, 20u, 42, 3, 0, 16, 8, 3, 0},
         /* 346: request of write_encoder_offset_rom */
-        {{0x160u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu}}, 32u, 42u, 4u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x91000000u, 0x0000FFFFu}}, 32u, 42, 4, 0, 17, 8, 3, 0},
         /* 347: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u}}, 1u, 42u, 5u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x00000100u}}, 1u, 42, 5, 0, 17, 8, 3, 0},
         /* 348: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x02u, 0x01u}}, 1u, 42u, 6u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x00000201u}}, 1u, 42, 6, 0, 15, 8, 3, 0},
         /* 349: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x40u}}, 1u, 42u, 7u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x91000000u, 0x00000040u}}, 1u, 42, 7, 0, 15, 8, 1, 0},
         /* 350: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 42u, 8u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x91000000u, 0x00000080u}}, 1u, 42, 8, 0, 16, 8, 1, 0},
         /* 351: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xDCu, 0xFEu}}, 1u, 42u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x0000DCFEu}}, 1u, 42, 9, 0, 0, 8, 3, 0},
         /* 352: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x34u, 0x12u}}, 1u, 42u, 10u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x91010203u, 0x04053412u}}, 1u, 42, 10, 0, 15, 8, 1, 0},
         /* 353: reply of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x34u, 0x12u}}, 1u, 43u, 10u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x00003412u}}, 1u, 43, 10, 0, 15, 8, 3, 0},
         /* 354: reply of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu}}, 1u, 43u, 4u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x0000FFFFu}}, 1u, 43, 4, 0, 17, 8, 3, 0},
         /* 355: reply of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x40u, 0x9Cu}}, 1u, 43u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 356: request of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 44u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 357: request of write_position_as_zero_rom */
-        {{0x160u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 44u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x0000409Cu}}, 1u, 43, 11, 0, 0, 8, 3, 0},
+        {{0x141u, {0x19000000u}}, 1u, 44, 0, 0, 0, 8, 3, 0}, /* 356: request of write_position_as_zero_rom */
+        {{0x160u, {0x19000000u}}, 32u, 44, 0, 0, 0, 8, 3, 0}, /* 357: request of write_position_as_zero_rom */
         /* 358: request of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 44u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x19010203u, 0x04050607u}}, 1u, 44, 0, 0, 0, 8, 1, 0},
         /* 359: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x34u, 0x12u}}, 1u, 45u, 0u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x19000000u, 0x00003412u}}, 1u, 45, 0, 0, 15, 8, 3, 0},
         /* 360: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x3Fu}}, 1u, 45u, 1u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x19000000u, 0x0000FF3Fu}}, 1u, 45, 1, 0, 15, 8, 3, 0},
         /* 361: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x7Fu}}, 1u, 45u, 2u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x19000000u, 0x0000FF7Fu}}, 1u, 45, 2, 0, 16, 8, 3, 0},
         /* 362: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu}}, 1u, 45u, 3u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 363: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 45u, 4u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x19000000u, 0x0000FFFFu}}, 1u, 45, 3, 0, 17, 8, 3, 0},
+        {{0x141u, {0x19000000u}}, 1u, 45, 4, 0, 17, 8, 3, 0}, /* 363: reply of write_position_as_zero_rom */
         /* 364: reply of write_position_as_zero_rom */
-        {{0x154u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x40u, 0x9Cu}}, 20u, 45u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 365: request of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 46u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 366: request of read_multi_turn_angle */
-        {{0x160u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 46u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 367: request of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 46u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 368: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xD8u, 0xDCu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 47u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 369: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xA0u, 0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 47u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 370: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 47u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 371: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 47u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 372: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 47u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 373: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 1u, 47u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 374: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 47u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 375: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x07u, 0x06u, 0x05u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 47u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 376: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xF9u, 0xF9u, 0xFAu, 0xFBu, 0xFCu, 0xFDu, 0xFEu}}, 1u, 47u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 377: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x20u}}, 1u, 47u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 378: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u, 0x00u}}, 1u, 47u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 379: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 47u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 380: reply of read_multi_turn_angle */
-        {{0x154u, {0x92u, 0x1Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 47u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 381: reply of read_multi_turn_angle */
-        {{0x160u, {0x92u, 0x00u, 0x98u, 0x3Bu, 0x9Eu, 0xF7u, 0xFFu, 0xFFu}}, 32u, 47u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 382: request of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 48u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 383: request of read_single_turn_angle */
-        {{0x160u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 48u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 384: request of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 48u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 385: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x45u, 0x05u, 0x00u}}, 1u, 49u, 0u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 386: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 49u, 1u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 387: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 49u, 2u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 388: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 49u, 3u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 389: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 49u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 390: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 49u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 391: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 49u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 392: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 49u, 7u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 393: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x46u, 0x05u, 0x00u}}, 1u, 49u, 8u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 394: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0xBFu, 0x4Bu, 0x03u, 0x00u}}, 1u, 49u, 9u, 20u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 395: reply of read_single_turn_angle */
-        {{0x154u, {0x94u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 20u, 49u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 396: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x01u, 0x02u, 0x03u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 49u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 397: request of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 50u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 398: request of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 50u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 399: request of set_angle */
-        {{0x160u, {0x95u, 0x00u, 0x00u, 0x00u, 0xD8u, 0xDCu, 0xFFu, 0xFFu}}, 32u, 50u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 400: request of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 50u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 401: request of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 50u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 402: request of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 50u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 403: request of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 50u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 404: request of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 50u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 405: request of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 1u, 50u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 406: request of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFDu, 0xFCu, 0xFBu}}, 1u, 50u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 407: request of set_angle */
-        {{0x141u, {0x95u, 0x01u, 0x02u, 0x03u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 50u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 408: reply of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 51u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 409: reply of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 51u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 410: reply of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0xFCu, 0xFCu, 0xFDu, 0xFEu}}, 20u, 51u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 411: reply of set_angle */
-        {{0x160u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 51u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 412: request of read_status_1 */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 52u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 413: request of read_status_1 */
-        {{0x160u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 52u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 414: request of read_status_1 */
-        {{0x141u, {0x9Au, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 52u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 415: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x19u, 0x60u, 0x09u, 0x96u, 0x00u, 0x00u, 0x00u}}, 1u, 53u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 416: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x1Fu, 0x08u, 0x13u, 0xF4u, 0xFFu, 0x10u, 0x01u}}, 1u, 53u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 417: reply of read_status_1 */
-        {{0x160u, {0x9Au, 0x80u, 0x00u, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x08u}}, 32u, 53u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 418: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x7Fu, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x10u, 0x08u}}, 1u, 53u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 419: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x10u, 0x09u}}, 1u, 53u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 420: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0xFFu, 0x01u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 53u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 421: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x00u, 0xFFu, 0xFFu, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 53u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 422: reply of read_status_1 */
-        {{0x154u, {0x9Au, 0x00u, 0x02u, 0x01u, 0x04u, 0x03u, 0x10u, 0x00u}}, 20u, 53u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 423: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x01u, 0x54u, 0x09u, 0x00u, 0x00u, 0x00u, 0x08u}}, 1u, 53u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 424: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x28u, 0x1Du, 0x00u, 0x39u, 0x00u, 0x00u, 0x00u}}, 1u, 53u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 425: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x19u, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x01u}}, 1u, 53u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 426: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0x01u, 0x00u}}, 1u, 53u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 427: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0x02u, 0x00u}}, 1u, 53u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 428: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0x11u, 0x00u}}, 1u, 53u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 429: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0x12u, 0x00u}}, 1u, 53u, 14u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 430: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0x20u, 0x00u}}, 1u, 53u, 15u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 431: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0xFFu, 0x00u}}, 1u, 53u, 16u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 432: reply of read_status_1 */
-        {{0x160u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0x00u, 0x02u}}, 32u, 53u, 17u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 433: reply of read_status_1 */
-        {{0x160u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0x00u, 0x04u}}, 32u, 53u, 18u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 434: reply of read_status_1 */
-        {{0x160u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0x00u, 0x10u}}, 32u, 53u, 19u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 435: reply of read_status_1 */
-        {{0x160u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0x00u, 0xF6u}}, 32u, 53u, 20u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 436: reply of read_status_1 */
-        {{0x160u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x0Au, 0x00u, 0x00u, 0xFFu}}, 32u, 53u, 21u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 437: request of clear_errors */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 54u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 438: request of clear_errors */
-        {{0x160u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 54u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 439: request of clear_errors */
-        {{0x141u, {0x9Bu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 54u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 440: reply of clear_errors */
-        {{0x141u, {0x9Bu, 0x19u, 0x60u, 0x09u, 0x96u, 0x00u, 0x00u, 0x00u}}, 1u, 55u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 441: reply of clear_errors */
-        {{0x154u, {0x9Bu, 0xD8u, 0x04u, 0x03u, 0x02u, 0x01u, 0x10u, 0x08u}}, 20u, 55u, 22u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 442: reply of clear_errors */
-        {{0x154u, {0x9Bu, 0x01u, 0x64u, 0x00u, 0x00u, 0x00u, 0x00u, 0x09u}}, 20u, 55u, 23u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 443: reply of clear_errors */
-        {{0x141u, {0x9Bu, 0x00u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x00u, 0x01u}}, 1u, 55u, 24u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 444: reply of clear_errors */
-        {{0x160u, {0x9Bu, 0x5Au, 0x00u, 0x80u, 0xFFu, 0x7Fu, 0x10u, 0x08u}}, 32u, 55u, 25u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 445: request of read_status_2 */
-        {{0x141u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 56u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 446: request of read_status_2 */
-        {{0x160u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 56u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 447: request of read_status_2 */
-        {{0x141u, {0x9Cu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 56u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 448: reply of read_status_2 */
-        {{0x141u, {0x9Cu, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 57u, 19u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 449: reply of read_status_2 */
-        {{0x142u, {0x9Cu, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 57u, 20u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 450: reply of read_status_2 */
-        {{0x154u, {0x9Cu, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 57u, 21u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 451: reply of read_status_2 */
-        {{0x160u, {0x9Cu, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 57u, 22u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 452: reply of read_status_2 */
-        {{0x141u, {0x9Cu, 0xECu, 0x00u, 0xF8u, 0xFFu, 0xFFu, 0x01u, 0x00u}}, 1u, 57u, 26u, 12u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 453: reply of read_status_2 */
-        {{0x141u, {0x9Cu, 0x14u, 0x18u, 0xFCu, 0x01u, 0x00u, 0x02u, 0x00u}}, 1u, 57u, 27u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 454: reply of read_status_2 */
-        {{0x141u, {0x9Cu, 0x14u, 0x00u, 0x10u, 0x68u, 0x01u, 0x00u, 0x40u}}, 1u, 57u, 28u, 21u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 455: reply of read_status_2 */
-        {{0x141u, {0x9Cu, 0x14u, 0x00u, 0x10u, 0x98u, 0xFEu, 0x01u, 0x40u}}, 1u, 57u, 29u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 456: request of read_status_3 */
-        {{0x141u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 58u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 457: request of read_status_3 */
-        {{0x160u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 58u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 458: request of read_status_3 */
-        {{0x141u, {0x9Du, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 58u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 459: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x19u, 0x00u, 0x08u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 1u, 59u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 460: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x01u, 0x00u}}, 1u, 59u, 1u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 461: reply of read_status_3 */
-        {{0x160u, {0x9Du, 0x7Fu, 0xFFu, 0xFFu, 0x02u, 0x01u, 0x04u, 0x03u}}, 32u, 59u, 2u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 462: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x19u, 0x00u, 0x08u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 1u, 59u, 0u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 463: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x01u, 0x00u}}, 1u, 59u, 1u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 464: reply of read_status_3 */
-        {{0x160u, {0x9Du, 0x7Fu, 0xFFu, 0xFFu, 0x02u, 0x01u, 0x04u, 0x03u}}, 32u, 59u, 2u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 465: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x19u, 0x00u, 0x08u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 1u, 59u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 466: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x01u, 0x00u}}, 1u, 59u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 467: reply of read_status_3 */
-        {{0x160u, {0x9Du, 0x7Fu, 0xFFu, 0xFFu, 0x02u, 0x01u, 0x04u, 0x03u}}, 32u, 59u, 2u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 468: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x00u, 0x00u, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u}}, 1u, 59u, 3u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 469: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x01u, 0x40u, 0x00u, 0xC0u, 0xFFu, 0x00u, 0x10u}}, 1u, 59u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 470: reply of read_status_3 */
-        {{0x154u, {0x9Du, 0xD8u, 0x64u, 0x00u, 0x38u, 0xFFu, 0x2Cu, 0x01u}}, 20u, 59u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-    };
-    static const canwright_golden_rejection_t rejections[] CANWRIGHT_FLASH = {
-        /* 471: request: unknown_id */
-        {{0x140u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 472: request: unknown_id */
-        {{0x161u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 473: request: unknown_id */
-        {{0x241u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 474: request: unknown_id */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 475: request: unknown_id */
-        {{0x80000141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 476: request: unknown_id */
-        {{0x40000141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 477: request: wrong_length */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 478: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 479: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 480: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 9u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 481: request: unknown_code */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 482: request: unknown_code */
-        {{0x141u, {0x07u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 483: request: unknown_code */
-        {{0x141u, {0x82u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 484: request: unknown_code */
-        {{0x141u, {0x93u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 485: request: unknown_code */
-        {{0x141u, {0xA9u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 486: request: unknown_code */
-        {{0x141u, {0xC0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 487: request: unknown_code */
-        {{0x141u, {0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 488: request: unknown_id */
-        {{0x161u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 489: request: unknown_code */
-        {{0x141u, {0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 490: request: unknown_code */
-        {{0x141u, {0xB0u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 491: request: unknown_code */
-        {{0x141u, {0xB0u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 492: request: unknown_code */
-        {{0x141u, {0xB0u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 493: request: unknown_code */
-        {{0x141u, {0xB0u, 0x0Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 494: request: unknown_code */
-        {{0x141u, {0xB0u, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 495: request: unknown_code */
-        {{0x141u, {0xB0u, 0x12u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 496: request: unknown_code */
-        {{0x141u, {0xB0u, 0x14u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 497: request: unknown_code */
-        {{0x141u, {0xB1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 498: request: unknown_code */
-        {{0x141u, {0xB1u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 499: request: unknown_code */
-        {{0x141u, {0xB1u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 500: request: unknown_code */
-        {{0x141u, {0xB1u, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 501: request: wrong_length */
-        {{0x141u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 6u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 502: request: wrong_length */
-        {{0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
+        {{0x154u, {0x19000000u, 0x0000409Cu}}, 20u, 45, 5, 0, 0, 8, 3, 0},
+        {{0x141u, {0x92000000u}}, 1u, 46, 0, 0, 0, 8, 3, 0}, /* 365: request of read_multi_turn_angle */
+        {{0x160u, {0x92000000u}}, 32u, 46, 0, 0, 0, 8, 3, 0}, /* 366: request of read_multi_turn_angle */
+        {{0x141u, {0x92010203u, 0x04050607u}}, 1u, 46, 0, 0, 0, 8, 1, 0}, /* 367: request of read_multi_turn_angle */
+        {{0x141u, {0x92D8DCFFu, 0xFFFFFFFFu}}, 1u, 47, 0, 0, 0, 8, 3, 0}, /* 368: reply of read_multi_turn_angle */
+        {{0x141u, {0x92A08C00u}}, 1u, 47, 1, 0, 0, 8, 3, 0}, /* 369: reply of read_multi_turn_angle */
+        {{0x141u, {0x92000000u}}, 1u, 47, 2, 0, 0, 8, 3, 0}, /* 370: reply of read_multi_turn_angle */
+        {{0x141u, {0x92010000u}}, 1u, 47, 3, 0, 0, 8, 3, 0}, /* 371: reply of read_multi_turn_angle */
+        {{0x141u, {0x92FFFFFFu, 0xFFFFFFFFu}}, 1u, 47, 4, 0, 0, 8, 3, 0}, /* 372: reply of read_multi_turn_angle */
+        {{0x141u, {0x92FFFFFFu, 0xFFFFFF7Fu}}, 1u, 47, 5, 0, 0, 8, 3, 0}, /* 373: reply of read_multi_turn_angle */
+        {{0x141u, {0x92000000u, 0x00000080u}}, 1u, 47, 6, 0, 0, 8, 3, 0}, /* 374: reply of read_multi_turn_angle */
+        {{0x141u, {0x92070605u, 0x04030201u}}, 1u, 47, 7, 0, 0, 8, 3, 0}, /* 375: reply of read_multi_turn_angle */
+        {{0x141u, {0x92F9F9FAu, 0xFBFCFDFEu}}, 1u, 47, 8, 0, 0, 8, 3, 0}, /* 376: reply of read_multi_turn_angle */
+        {{0x141u, {0x92010000u, 0x00000020u}}, 1u, 47, 9, 0, 0, 8, 3, 0}, /* 377: reply of read_multi_turn_angle */
+        {{0x141u, {0x92000000u, 0x80000000u}}, 1u, 47, 10, 0, 0, 8, 3, 0}, /* 378: reply of read_multi_turn_angle */
+        {{0x141u, {0x92FFFFFFu, 0x7FFFFFFFu}}, 1u, 47, 11, 0, 0, 8, 3, 0}, /* 379: reply of read_multi_turn_angle */
+        {{0x154u, {0x921D0000u}}, 20u, 47, 12, 0, 0, 8, 3, 0}, /* 380: reply of read_multi_turn_angle */
+        {{0x160u, {0x9200983Bu, 0x9EF7FFFFu}}, 32u, 47, 13, 0, 0, 8, 3, 0}, /* 381: reply of read_multi_turn_angle */
+        {{0x141u, {0x94000000u}}, 1u, 48, 0, 0, 0, 8, 3, 0}, /* 382: request of read_single_turn_angle */
+        {{0x160u, {0x94000000u}}, 32u, 48, 0, 0, 0, 8, 3, 0}, /* 383: request of read_single_turn_angle */
+        {{0x141u, {0x94010203u, 0x04050607u}}, 1u, 48, 0, 0, 0, 8, 1, 0}, /* 384: request of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0xFF450500u}}, 1u, 49, 0, 0, 18, 8, 3, 0}, /* 385: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u}}, 1u, 49, 1, 0, 18, 8, 3, 0}, /* 386: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0x9F8C0000u}}, 1u, 49, 2, 0, 19, 8, 3, 0}, /* 387: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0x01000000u}}, 1u, 49, 3, 0, 19, 8, 3, 0}, /* 388: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0x04030201u}}, 1u, 49, 4, 0, 0, 8, 3, 0}, /* 389: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0xFFFFFFFFu}}, 1u, 49, 5, 0, 0, 8, 3, 0}, /* 390: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0x00000080u}}, 1u, 49, 6, 0, 0, 8, 3, 0}, /* 391: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0xA08C0000u}}, 1u, 49, 7, 0, 19, 8, 1, 0}, /* 392: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0x00460500u}}, 1u, 49, 8, 0, 18, 8, 1, 0}, /* 393: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0xBF4B0300u}}, 1u, 49, 9, 0, 20, 8, 3, 0}, /* 394: reply of read_single_turn_angle */
+        {{0x154u, {0x94000000u, 0x50460000u}}, 20u, 49, 10, 0, 0, 8, 3, 0}, /* 395: reply of read_single_turn_angle */
+        {{0x141u, {0x94010203u, 0x50460000u}}, 1u, 49, 10, 0, 0, 8, 1, 0}, /* 396: reply of read_single_turn_angle */
+        {{0x141u, {0x95000000u}}, 1u, 50, 0, 0, 0, 8, 3, 0}, /* 397: request of set_angle */
+        {{0x141u, {0x95000000u, 0xA08C0000u}}, 1u, 50, 1, 0, 0, 8, 3, 0}, /* 398: request of set_angle */
+        {{0x160u, {0x95000000u, 0xD8DCFFFFu}}, 32u, 50, 2, 0, 0, 8, 3, 0}, /* 399: request of set_angle */
+        {{0x154u, {0x95000000u, 0xFFFFFF7Fu}}, 20u, 50, 3, 0, 0, 8, 3, 0}, /* 400: request of set_angle */
+        {{0x154u, {0x95000000u, 0x00000080u}}, 20u, 50, 4, 0, 0, 8, 3, 0}, /* 401: request of set_angle */
+        {{0x141u, {0x95000000u, 0xFFFFFFFFu}}, 1u, 50, 5, 0, 0, 8, 3, 0}, /* 402: request of set_angle */
+        {{0x141u, {0x95000000u, 0x01000000u}}, 1u, 50, 6, 0, 0, 8, 3, 0}, /* 403: request of set_angle */
+        {{0x141u, {0x95000000u, 0x04030201u}}, 1u, 50, 7, 0, 0, 8, 3, 0}, /* 404: request of set_angle */
+        {{0x141u, {0x95000000u, 0x1D000000u}}, 1u, 50, 8, 0, 0, 8, 3, 0}, /* 405: request of set_angle */
+        {{0x141u, {0x95000000u, 0xFFFDFCFBu}}, 1u, 50, 9, 0, 0, 8, 3, 0}, /* 406: request of set_angle */
+        {{0x141u, {0x95010203u, 0x50460000u}}, 1u, 50, 10, 0, 0, 8, 1, 0}, /* 407: request of set_angle */
+        {{0x141u, {0x95000000u}}, 1u, 51, 0, 0, 0, 8, 3, 0}, /* 408: reply of set_angle */
+        {{0x141u, {0x95000000u, 0xA08C0000u}}, 1u, 51, 1, 0, 0, 8, 3, 0}, /* 409: reply of set_angle */
+        {{0x154u, {0x95000000u, 0xFCFCFDFEu}}, 20u, 51, 11, 0, 0, 8, 3, 0}, /* 410: reply of set_angle */
+        {{0x160u, {0x95000000u, 0x00000080u}}, 32u, 51, 4, 0, 0, 8, 3, 0}, /* 411: reply of set_angle */
+        {{0x141u, {0x9A000000u}}, 1u, 52, 0, 0, 0, 8, 3, 0}, /* 412: request of read_status_1 */
+        {{0x160u, {0x9A000000u}}, 32u, 52, 0, 0, 0, 8, 3, 0}, /* 413: request of read_status_1 */
+        {{0x141u, {0x9A010203u, 0x04050607u}}, 1u, 52, 0, 0, 0, 8, 1, 0}, /* 414: request of read_status_1 */
+        {{0x141u, {0x9A196009u, 0x96000000u}}, 1u, 53, 0, 0, 0, 8, 3, 0}, /* 415: reply of read_status_1 */
+        {{0x141u, {0x9A1F0813u, 0xF4FF1001u}}, 1u, 53, 1, 0, 0, 8, 3, 0}, /* 416: reply of read_status_1 */
+        {{0x160u, {0x9A800080u, 0xFF7F0008u}}, 32u, 53, 2, 0, 0, 8, 3, 0}, /* 417: reply of read_status_1 */
+        {{0x141u, {0x9A7FFF7Fu, 0x00801008u}}, 1u, 53, 3, 0, 0, 8, 3, 0}, /* 418: reply of read_status_1 */
+        {{0x141u, {0x9A000000u, 0x00001009u}}, 1u, 53, 4, 0, 0, 8, 3, 0}, /* 419: reply of read_status_1 */
+        {{0x141u, {0x9AFF0100u, 0xFFFF0000u}}, 1u, 53, 5, 0, 0, 8, 3, 0}, /* 420: reply of read_status_1 */
+        {{0x141u, {0x9A00FFFFu, 0x01000000u}}, 1u, 53, 6, 0, 0, 8, 3, 0}, /* 421: reply of read_status_1 */
+        {{0x154u, {0x9A000201u, 0x04031000u}}, 20u, 53, 7, 0, 0, 8, 3, 0}, /* 422: reply of read_status_1 */
+        {{0x141u, {0x9A015409u, 0x00000008u}}, 1u, 53, 8, 0, 0, 8, 3, 0}, /* 423: reply of read_status_1 */
+        {{0x141u, {0x9A281D00u, 0x39000000u}}, 1u, 53, 9, 0, 0, 8, 3, 0}, /* 424: reply of read_status_1 */
+        {{0x141u, {0x9A1900F0u, 0x00000001u}}, 1u, 53, 10, 0, 0, 8, 3, 0}, /* 425: reply of read_status_1 */
+        {{0x141u, {0x9A1E6009u, 0x0A000100u}}, 1u, 53, 11, 0, 0, 8, 1, 0}, /* 426: reply of read_status_1 */
+        {{0x141u, {0x9A1E6009u, 0x0A000200u}}, 1u, 53, 12, 0, 0, 8, 1, 0}, /* 427: reply of read_status_1 */
+        {{0x141u, {0x9A1E6009u, 0x0A001100u}}, 1u, 53, 13, 0, 0, 8, 1, 0}, /* 428: reply of read_status_1 */
+        {{0x141u, {0x9A1E6009u, 0x0A001200u}}, 1u, 53, 14, 0, 0, 8, 1, 0}, /* 429: reply of read_status_1 */
+        {{0x141u, {0x9A1E6009u, 0x0A002000u}}, 1u, 53, 15, 0, 0, 8, 1, 0}, /* 430: reply of read_status_1 */
+        {{0x141u, {0x9A1E6009u, 0x0A00FF00u}}, 1u, 53, 16, 0, 0, 8, 1, 0}, /* 431: reply of read_status_1 */
+        {{0x160u, {0x9A1E6009u, 0x0A000002u}}, 32u, 53, 17, 0, 0, 8, 1, 0}, /* 432: reply of read_status_1 */
+        {{0x160u, {0x9A1E6009u, 0x0A000004u}}, 32u, 53, 18, 0, 0, 8, 1, 0}, /* 433: reply of read_status_1 */
+        {{0x160u, {0x9A1E6009u, 0x0A000010u}}, 32u, 53, 19, 0, 0, 8, 1, 0}, /* 434: reply of read_status_1 */
+        {{0x160u, {0x9A1E6009u, 0x0A0000F6u}}, 32u, 53, 20, 0, 0, 8, 1, 0}, /* 435: reply of read_status_1 */
+        {{0x160u, {0x9A1E6009u, 0x0A0000FFu}}, 32u, 53, 21, 0, 0, 8, 1, 0}, /* 436: reply of read_status_1 */
+        {{0x141u, {0x9B000000u}}, 1u, 54, 0, 0, 0, 8, 3, 0}, /* 437: request of clear_errors */
+        {{0x160u, {0x9B000000u}}, 32u, 54, 0, 0, 0, 8, 3, 0}, /* 438: request of clear_errors */
+        {{0x141u, {0x9B010203u, 0x04050607u}}, 1u, 54, 0, 0, 0, 8, 1, 0}, /* 439: request of clear_errors */
+        {{0x141u, {0x9B196009u, 0x96000000u}}, 1u, 55, 0, 0, 0, 8, 3, 0}, /* 440: reply of clear_errors */
+        {{0x154u, {0x9BD80403u, 0x02011008u}}, 20u, 55, 22, 0, 0, 8, 3, 0}, /* 441: reply of clear_errors */
+        {{0x154u, {0x9B016400u, 0x00000009u}}, 20u, 55, 23, 0, 0, 8, 3, 0}, /* 442: reply of clear_errors */
+        {{0x141u, {0x9B00FF7Fu, 0x00800001u}}, 1u, 55, 24, 0, 0, 8, 3, 0}, /* 443: reply of clear_errors */
+        {{0x160u, {0x9B5A0080u, 0xFF7F1008u}}, 32u, 55, 25, 0, 0, 8, 3, 0}, /* 444: reply of clear_errors */
+        {{0x141u, {0x9C000000u}}, 1u, 56, 0, 0, 0, 8, 3, 0}, /* 445: request of read_status_2 */
+        {{0x160u, {0x9C000000u}}, 32u, 56, 0, 0, 0, 8, 3, 0}, /* 446: request of read_status_2 */
+        {{0x141u, {0x9C010203u, 0x04050607u}}, 1u, 56, 0, 0, 0, 8, 1, 0}, /* 447: request of read_status_2 */
+        {{0x141u, {0x9C280903u, 0x18FC401Fu}}, 1u, 57, 19, 0, 1, 8, 3, 0}, /* 448: reply of read_status_2 */
+        {{0x142u, {0x9C29F006u, 0x17FC411Fu}}, 2u, 57, 20, 0, 8, 8, 3, 0}, /* 449: reply of read_status_2 */
+        {{0x154u, {0x9C2AEF06u, 0x16FC421Fu}}, 20u, 57, 21, 0, 9, 8, 3, 0}, /* 450: reply of read_status_2 */
+        {{0x160u, {0x9C2BEE06u, 0x15FC431Fu}}, 32u, 57, 22, 0, 11, 8, 3, 0}, /* 451: reply of read_status_2 */
+        {{0x141u, {0x9CEC00F8u, 0xFFFF0100u}}, 1u, 57, 26, 0, 12, 8, 3, 0}, /* 452: reply of read_status_2 */
+        {{0x141u, {0x9C1418FCu, 0x01000200u}}, 1u, 57, 27, 0, 2, 8, 3, 0}, /* 453: reply of read_status_2 */
+        {{0x141u, {0x9C140010u, 0x68010040u}}, 1u, 57, 28, 0, 21, 8, 3, 0}, /* 454: reply of read_status_2 */
+        {{0x141u, {0x9C140010u, 0x98FE0140u}}, 1u, 57, 29, 0, 13, 8, 3, 0}, /* 455: reply of read_status_2 */
+        {{0x141u, {0x9D000000u}}, 1u, 58, 0, 0, 0, 8, 3, 0}, /* 456: request of read_status_3 */
+        {{0x160u, {0x9D000000u}}, 32u, 58, 0, 0, 0, 8, 3, 0}, /* 457: request of read_status_3 */
+        {{0x141u, {0x9D010203u, 0x04050607u}}, 1u, 58, 0, 0, 0, 8, 1, 0}, /* 458: request of read_status_3 */
+        {{0x141u, {0x9D190008u, 0x00F80000u}}, 1u, 59, 0, 0, 5, 8, 3, 0}, /* 459: reply of read_status_3 */
+        {{0x141u, {0x9D80FF7Fu, 0x00800100u}}, 1u, 59, 1, 0, 5, 8, 3, 0}, /* 460: reply of read_status_3 */
+        {{0x160u, {0x9D7FFFFFu, 0x02010403u}}, 32u, 59, 2, 0, 5, 8, 3, 0}, /* 461: reply of read_status_3 */
+        {{0x141u, {0x9D190008u, 0x00F80000u}}, 1u, 59, 0, 0, 6, 8, 3, 0}, /* 462: reply of read_status_3 */
+        {{0x141u, {0x9D80FF7Fu, 0x00800100u}}, 1u, 59, 1, 0, 6, 8, 3, 0}, /* 463: reply of read_status_3 */
+        {{0x160u, {0x9D7FFFFFu, 0x02010403u}}, 32u, 59, 2, 0, 6, 8, 3, 0}, /* 464: reply of read_status_3 */
+        {{0x141u, {0x9D190008u, 0x00F80000u}}, 1u, 59, 0, 0, 4, 8, 3, 0}, /* 465: reply of read_status_3 */
+        {{0x141u, {0x9D80FF7Fu, 0x00800100u}}, 1u, 59, 1, 0, 4, 8, 3, 0}, /* 466: reply of read_status_3 */
+        {{0x160u, {0x9D7FFFFFu, 0x02010403u}}, 32u, 59, 2, 0, 4, 8, 3, 0}, /* 467: reply of read_status_3 */
+        {{0x141u, {0x9D000080u, 0xFF7F0080u}}, 1u, 59, 3, 0, 4, 8, 3, 0}, /* 468: reply of read_status_3 */
+        {{0x141u, {0x9D014000u, 0xC0FF0010u}}, 1u, 59, 4, 0, 5, 8, 3, 0}, /* 469: reply of read_status_3 */
+        {{0x154u, {0x9DD86400u, 0x38FF2C01u}}, 20u, 59, 5, 0, 0, 8, 3, 0}, /* 470: reply of read_status_3 */
+        {{0x140u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 471: request: unknown_id */
+        {{0x161u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 472: request: unknown_id */
+        {{0x241u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 473: request: unknown_id */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 474: request: unknown_id */
+        {{0x80000141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 475: request: unknown_id */
+        {{0x40000141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 4, CANWRIGHT_UNKNOWN_ID}, /* 476: request: unknown_id */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 4, CANWRIGHT_WRONG_LENGTH}, /* 477: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 1, 4, CANWRIGHT_WRONG_LENGTH}, /* 478: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 7, 4, CANWRIGHT_WRONG_LENGTH}, /* 479: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 9, 4, CANWRIGHT_WRONG_LENGTH}, /* 480: request: wrong_length */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 481: request: unknown_code */
+        {{0x141u, {0x07000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 482: request: unknown_code */
+        {{0x141u, {0x82000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 483: request: unknown_code */
+        {{0x141u, {0x93000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 484: request: unknown_code */
+        {{0x141u, {0xA9000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 485: request: unknown_code */
+        {{0x141u, {0xC0000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 486: request: unknown_code */
+        {{0x141u, {0xFF000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 487: request: unknown_code */
+        {{0x161u, {0xA1000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 488: request: unknown_id */
+        {{0x141u, {0xB0000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 489: request: unknown_code */
+        {{0x141u, {0xB0090000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 490: request: unknown_code */
+        {{0x141u, {0xB00B0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 491: request: unknown_code */
+        {{0x141u, {0xB00D0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 492: request: unknown_code */
+        {{0x141u, {0xB00F0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 493: request: unknown_code */
+        {{0x141u, {0xB0100000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 494: request: unknown_code */
+        {{0x141u, {0xB0120000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 495: request: unknown_code */
+        {{0x141u, {0xB0140000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 496: request: unknown_code */
+        {{0x141u, {0xB1000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 497: request: unknown_code */
+        {{0x141u, {0xB10B0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 498: request: unknown_code */
+        {{0x141u, {0xB10D0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 499: request: unknown_code */
+        {{0x141u, {0xB1100000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 500: request: unknown_code */
+        {{0x141u, {0xB10A0000u}}, 0u, 0, 0, 0, 0, 6, 4, CANWRIGHT_WRONG_LENGTH}, /* 501: request: wrong_length */
+        {{0x141u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 2, 4, CANWRIGHT_WRONG_LENGTH}, /* 502: request: wrong_length */
         /* 503: request: unknown_id */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 504: reply: unknown_id */
-        {{0x140u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 505: reply: unknown_id */
-        {{0x161u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 506: reply: unknown_id */
-        {{0x241u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 507: reply: unknown_id */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 508: reply: unknown_id */
-        {{0x80000141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 509: reply: unknown_id */
-        {{0x40000141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 510: reply: wrong_length */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 511: reply: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 512: reply: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 513: reply: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 9u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 514: reply: unknown_code */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 515: reply: unknown_code */
-        {{0x141u, {0x07u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 516: reply: unknown_code */
-        {{0x141u, {0x82u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 517: reply: unknown_code */
-        {{0x141u, {0x93u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 518: reply: unknown_code */
-        {{0x141u, {0xA9u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 519: reply: unknown_code */
-        {{0x141u, {0xC0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 520: reply: unknown_code */
-        {{0x141u, {0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 521: reply: unknown_id */
-        {{0x161u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 522: reply: unknown_code */
-        {{0x141u, {0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 523: reply: unknown_code */
-        {{0x141u, {0xB0u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 524: reply: unknown_code */
-        {{0x141u, {0xB0u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 525: reply: unknown_code */
-        {{0x141u, {0xB0u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 526: reply: unknown_code */
-        {{0x141u, {0xB0u, 0x0Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 527: reply: unknown_code */
-        {{0x141u, {0xB0u, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 528: reply: unknown_code */
-        {{0x141u, {0xB0u, 0x12u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 529: reply: unknown_code */
-        {{0x141u, {0xB0u, 0x14u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 530: reply: unknown_code */
-        {{0x141u, {0xB1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 531: reply: unknown_code */
-        {{0x141u, {0xB1u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 532: reply: unknown_code */
-        {{0x141u, {0xB1u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 533: reply: unknown_code */
-        {{0x141u, {0xB1u, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 534: reply: wrong_length */
-        {{0x141u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 6u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 535: reply: wrong_length */
-        {{0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID},
+        {{0x140u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 504: reply: unknown_id */
+        {{0x161u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 505: reply: unknown_id */
+        {{0x241u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 506: reply: unknown_id */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 507: reply: unknown_id */
+        {{0x80000141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 508: reply: unknown_id */
+        {{0x40000141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 5, CANWRIGHT_UNKNOWN_ID}, /* 509: reply: unknown_id */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 5, CANWRIGHT_WRONG_LENGTH}, /* 510: reply: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 1, 5, CANWRIGHT_WRONG_LENGTH}, /* 511: reply: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 7, 5, CANWRIGHT_WRONG_LENGTH}, /* 512: reply: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 9, 5, CANWRIGHT_WRONG_LENGTH}, /* 513: reply: wrong_length */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 514: reply: unknown_code */
+        {{0x141u, {0x07000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 515: reply: unknown_code */
+        {{0x141u, {0x82000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 516: reply: unknown_code */
+        {{0x141u, {0x93000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 517: reply: unknown_code */
+        {{0x141u, {0xA9000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 518: reply: unknown_code */
+        {{0x141u, {0xC0000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 519: reply: unknown_code */
+        {{0x141u, {0xFF000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 520: reply: unknown_code */
+        {{0x161u, {0xA1000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 521: reply: unknown_id */
+        {{0x141u, {0xB0000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 522: reply: unknown_code */
+        {{0x141u, {0xB0090000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 523: reply: unknown_code */
+        {{0x141u, {0xB00B0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 524: reply: unknown_code */
+        {{0x141u, {0xB00D0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 525: reply: unknown_code */
+        {{0x141u, {0xB00F0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 526: reply: unknown_code */
+        {{0x141u, {0xB0100000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 527: reply: unknown_code */
+        {{0x141u, {0xB0120000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 528: reply: unknown_code */
+        {{0x141u, {0xB0140000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 529: reply: unknown_code */
+        {{0x141u, {0xB1000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 530: reply: unknown_code */
+        {{0x141u, {0xB10B0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 531: reply: unknown_code */
+        {{0x141u, {0xB10D0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 532: reply: unknown_code */
+        {{0x141u, {0xB1100000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 533: reply: unknown_code */
+        {{0x141u, {0xB10A0000u}}, 0u, 0, 0, 0, 0, 6, 5, CANWRIGHT_WRONG_LENGTH}, /* 534: reply: wrong_length */
+        {{0x141u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 2, 5, CANWRIGHT_WRONG_LENGTH}, /* 535: reply: wrong_length */
         /* 536: reply: unknown_id */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 537: request: unknown_code */
-        {{0x141u, {0x30u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID},
+        {{0x141u, {0x30000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 537: request: unknown_code */
         /* 538: request: unknown_code */
-        {{0x141u, {0x31u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x31006464u, 0x32283232u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE},
         /* 539: request: unknown_code */
-        {{0x141u, {0x32u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 540: request: unknown_code */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x32006464u, 0x32283232u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x33000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 540: request: unknown_code */
         /* 541: request: unknown_code */
-        {{0x141u, {0x34u, 0x00u, 0x00u, 0x00u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 542: request: unknown_code */
-        {{0x141u, {0x37u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x34000000u, 0xB80B0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x37000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 542: request: unknown_code */
         /* 543: request: unknown_code */
-        {{0x141u, {0x38u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 544: request: unknown_code */
-        {{0x141u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 545: request: unknown_code */
-        {{0x141u, {0x18u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 546: request: unknown_code */
-        {{0x141u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 547: reply: unknown_code */
-        {{0x141u, {0x44u, 0x05u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x38000000u, 0x64000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x4405FA00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 544: request: unknown_code */
+        {{0x141u, {0x18000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 545: request: unknown_code */
+        {{0x141u, {0x40050A00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 546: request: unknown_code */
+        {{0x141u, {0x44050100u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 547: reply: unknown_code */
         /* 548: reply: missing_parameter */
-        {{0x141u, {0xA0u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA0326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 549: reply: missing_parameter */
-        {{0x141u, {0xA1u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 550: reply: missing_parameter */
-        {{0x141u, {0xA2u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 551: reply: missing_parameter */
-        {{0x141u, {0xADu, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xAD326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 552: reply: missing_parameter */
-        {{0x141u, {0xA3u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA3326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 553: reply: missing_parameter */
-        {{0x141u, {0xA4u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA4326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 554: reply: missing_parameter */
-        {{0x141u, {0xA5u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA5326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 555: reply: missing_parameter */
-        {{0x141u, {0xA6u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA6326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 556: reply: missing_parameter */
-        {{0x141u, {0xA7u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA7326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 557: reply: missing_parameter */
-        {{0x141u, {0xA8u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA8326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 558: reply: missing_parameter */
-        {{0x141u, {0x9Cu, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
-    };
-    static const canwright_golden_refusal_t refusals[] CANWRIGHT_FLASH = {
+        {{0x141u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 559: request of motor_off: unknown_node */
-        {0u, 0u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 560: request of motor_off: unknown_node */
-        {33u, 0u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 561: request of motor_off: unknown_node */
-        {-1u, 0u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 562: reply of motor_off: unknown_node */
-        {0u, 1u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 563: reply of motor_off: unknown_node */
-        {33u, 1u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 564: reply of motor_off: unknown_node */
-        {-1u, 1u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 565: request of set_speed: unknown_node */
-        {0u, 12u, 6u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 12, 6, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 566: request of set_speed: unknown_node */
-        {33u, 12u, 6u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 12, 6, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 567: request of set_speed: unknown_node */
-        {-1u, 12u, 6u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
-        /* 568: request of brake: unknown_node */
-        {0u, 6u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 12, 6, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 6, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE}, /* 568: request of brake: unknown_node */
         /* 569: request of brake: unknown_node */
-        {33u, 6u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 6, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 570: request of brake: unknown_node */
-        {-1u, 6u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 6, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 571: request of set_angle: unknown_node */
-        {0u, 50u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 50, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 572: request of set_angle: unknown_node */
-        {33u, 50u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 50, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 573: request of set_angle: unknown_node */
-        {-1u, 50u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 50, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 574: request of read_control_parameter_speed_limit: unknown_node */
-        {0u, 32u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 32, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 575: request of read_control_parameter_speed_limit: unknown_node */
-        {33u, 32u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 32, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 576: request of read_control_parameter_speed_limit: unknown_node */
-        {-1u, 32u, 0u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 32, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 577: request of write_control_parameter_ram_torque_limit: unknown_node */
-        {0u, 34u, 3u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 34, 3, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 578: request of write_control_parameter_ram_torque_limit: unknown_node */
-        {33u, 34u, 3u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 34, 3, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 579: request of write_control_parameter_ram_torque_limit: unknown_node */
-        {-1u, 34u, 3u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 34, 3, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 580: reply of read_control_parameter_torque_limit: unknown_node */
-        {0u, 29u, 3u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 29, 3, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 581: reply of read_control_parameter_torque_limit: unknown_node */
-        {33u, 29u, 3u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 29, 3, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 582: reply of read_control_parameter_torque_limit: unknown_node */
-        {-1u, 29u, 3u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 29, 3, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 583: reply of read_multi_turn_angle: unknown_node */
-        {0u, 47u, 2u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 47, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 584: reply of read_multi_turn_angle: unknown_node */
-        {33u, 47u, 2u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 47, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 585: reply of read_multi_turn_angle: unknown_node */
-        {-1u, 47u, 2u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 47, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 586: request of brake: out_of_range */
-        {1u, 6u, 3u, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 3, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 587: request of brake: out_of_range */
-        {1u, 6u, 4u, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 4, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 588: request of brake: out_of_range */
-        {1u, 6u, 5u, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 5, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 589: request of brake: out_of_range */
-        {1u, 6u, 6u, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 6, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 590: request of brake: out_of_range */
-        {1u, 6u, 7u, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 7, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 591: request of brake: out_of_range */
-        {1u, 6u, 8u, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 8, MWD_MOTOR_V2_35_2024_02_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 592: reply of brake: out_of_range */
-        {1u, 7u, 2u, MWD_MOTOR_V2_35_2024_02_FIELD_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 7, 2, MWD_MOTOR_V2_35_2024_02_FIELD_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 593: reply of brake: out_of_range */
-        {1u, 7u, 3u, MWD_MOTOR_V2_35_2024_02_FIELD_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 7, 3, MWD_MOTOR_V2_35_2024_02_FIELD_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 594: reply of brake: out_of_range */
-        {1u, 7u, 4u, MWD_MOTOR_V2_35_2024_02_FIELD_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 7, 4, MWD_MOTOR_V2_35_2024_02_FIELD_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 595: reply of brake: out_of_range */
-        {1u, 7u, 6u, MWD_MOTOR_V2_35_2024_02_FIELD_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 7, 6, MWD_MOTOR_V2_35_2024_02_FIELD_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 596: request of set_power: out_of_range */
-        {1u, 8u, 11u, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 11, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 597: request of set_power: out_of_range */
-        {1u, 8u, 10u, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 10, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 598: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 599: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 600: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 601: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 602: request of set_torque: out_of_range */
-        {1u, 10u, 3u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 3, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 603: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 604: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 605: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 606: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_35_2024_02_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 607: request of set_speed_limited: out_of_range */
-        {1u, 14u, 13u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 14, 13, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 608: request of set_speed_limited: out_of_range */
-        {1u, 14u, 14u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 14, 14, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 609: request of set_speed_limited: out_of_range */
-        {1u, 14u, 13u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 14, 13, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 610: request of set_speed_limited: out_of_range */
-        {1u, 14u, 14u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 14, 14, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 611: request of set_speed_limited: out_of_range */
-        {1u, 14u, 13u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 14, 13, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 612: request of set_speed_limited: out_of_range */
-        {1u, 14u, 14u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 14, 14, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 613: request of set_speed_limited: out_of_range */
-        {1u, 14u, 13u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 14u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 14, 13, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 14, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 614: request of set_speed_limited: out_of_range */
-        {1u, 14u, 14u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 14u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 14, 14, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 14, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 615: request of set_speed_limited: out_of_range */
-        {1u, 14u, 13u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 14, 13, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 616: request of set_speed_limited: out_of_range */
-        {1u, 14u, 14u, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 14, 14, MWD_MOTOR_V2_35_2024_02_FIELD_IQ_LIMIT, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 617: request of turn_to_angle: out_of_range */
-        {1u, 20u, 15u, MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 20, 15, MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 618: request of turn_to_angle: out_of_range */
-        {1u, 20u, 16u, MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 20, 16, MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 619: request of turn_to_angle_at_speed: out_of_range */
-        {1u, 22u, 7u, MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 22, 7, MWD_MOTOR_V2_35_2024_02_FIELD_SPIN_DIRECTION, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 620: request of write_encoder_offset_rom: out_of_range */
-        {1u, 42u, 7u, MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET, 15u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 42, 7, MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET, 15, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 621: request of write_encoder_offset_rom: out_of_range */
-        {1u, 42u, 8u, MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 42, 8, MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET, 16, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 622: reply of write_position_as_zero_rom: out_of_range */
-        {1u, 45u, 6u, MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET, 15u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 45, 6, MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER_OFFSET, 15, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 623: reply of set_speed: out_of_range */
-        {1u, 13u, 30u, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 14u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 13, 30, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 14, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 624: reply of set_speed: out_of_range */
-        {1u, 13u, 31u, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 14u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 13, 31, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 14, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 625: reply of set_power: out_of_range */
-        {1u, 9u, 30u, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 14u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 9, 30, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 14, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 626: reply of set_power: out_of_range */
-        {1u, 9u, 31u, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 14u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 9, 31, MWD_MOTOR_V2_35_2024_02_FIELD_POWER, 14, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 627: reply of set_torque: out_of_range */
-        {1u, 11u, 32u, MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER, 12u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 32, MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER, 12, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 628: reply of set_torque: out_of_range */
-        {1u, 11u, 33u, MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER, 13u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 33, MWD_MOTOR_V2_35_2024_02_FIELD_ENCODER, 13, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 629: reply of set_speed: missing_parameter */
-        {1u, 13u, 34u, MWD_MOTOR_V2_35_2024_02_FIELD_NONE, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0u, {0x00000000u}}, 1u, 13, 34, 0, 0, 0, 6, CANWRIGHT_MISSING_PARAMETER},
         /* 630: reply of read_status_1: out_of_range */
-        {1u, 53u, 26u, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 26, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 631: reply of read_status_1: out_of_range */
-        {1u, 53u, 27u, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 27, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 632: reply of read_status_1: out_of_range */
-        {1u, 53u, 28u, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 28, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 633: reply of read_status_1: out_of_range */
-        {1u, 53u, 29u, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 29, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 634: reply of read_status_1: out_of_range */
-        {1u, 53u, 30u, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 30, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 635: reply of read_status_1: out_of_range */
-        {1u, 53u, 31u, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 31, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 636: reply of read_status_1: out_of_range */
-        {1u, 53u, 32u, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 32, MWD_MOTOR_V2_35_2024_02_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 637: reply of read_status_1: out_of_range */
-        {1u, 53u, 33u, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 33, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 638: reply of read_status_1: out_of_range */
-        {1u, 53u, 34u, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 34, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 639: reply of read_status_1: out_of_range */
-        {1u, 53u, 35u, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 35, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 640: reply of read_status_1: out_of_range */
-        {1u, 53u, 36u, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 36, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 641: reply of read_status_1: out_of_range */
-        {1u, 53u, 37u, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 37, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 642: reply of read_status_1: out_of_range */
-        {1u, 53u, 38u, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 38, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 643: reply of read_status_1: out_of_range */
-        {1u, 53u, 39u, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 53, 39, MWD_MOTOR_V2_35_2024_02_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 644: reply of read_multi_turn_angle: out_of_range */
-        {1u, 47u, 14u, MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 47, 14, MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 645: reply of read_multi_turn_angle: out_of_range */
-        {1u, 47u, 15u, MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 47, 15, MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 646: reply of read_single_turn_angle: out_of_range */
-        {1u, 49u, 8u, MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE, 18u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 49, 8, MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE, 18, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 647: reply of read_single_turn_angle: out_of_range */
-        {1u, 49u, 7u, MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE, 19u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 49, 7, MWD_MOTOR_V2_35_2024_02_FIELD_ANGLE, 19, 0, 6, CANWRIGHT_OUT_OF_RANGE},
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 648: a request */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 648: and a reply: ok */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 649: a request */
+        /* 649: and a reply: not_answer */
+        {{0x141u, {0x80000000u, 0x00000001u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 650: a request */
+        {{0x142u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 650: and a reply: not_answer */
+        {{0x141u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 651: a request */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 651: and a reply: not_answer */
+        {{0x142u, {0x81000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 652: a request */
+        {{0x142u, {0x81000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 652: and a reply: ok */
+        {{0x142u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 653: a request */
+        {{0x142u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 653: and a reply: ok */
+        {{0x141u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 654: a request */
+        {{0x141u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 654: and a reply: ok */
+        {{0x141u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 655: a request */
+        {{0x141u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 655: and a reply: ok */
+        {{0x141u, {0x8C100000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 656: a request */
+        {{0x141u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 656: and a reply: ok */
+        {{0x141u, {0x8C100000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 657: a request */
+        {{0x141u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 657: and a reply: ok */
+        {{0x141u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 658: a request */
+        {{0x141u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 658: and a reply: ok */
+        {{0x141u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 659: a request */
+        {{0x142u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 659: and a reply: not_answer */
+        {{0x141u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 660: a request */
+        {{0x141u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 660: and a reply: not_answer */
+        {{0x141u, {0xA0000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 661: a request */
+        {{0x141u, {0xA0326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 661: and a reply: ok */
+        {{0x141u, {0xA1000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 662: a request */
+        {{0x141u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 662: and a reply: ok */
+        {{0x141u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 663: a request */
+        {{0x141u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 663: and a reply: ok */
+        {{0x141u, {0xAD000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 664: a request */
+        {{0x141u, {0xAD326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 664: and a reply: ok */
+        {{0x141u, {0xA3000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 665: a request */
+        {{0x141u, {0xA3326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 665: and a reply: ok */
+        {{0x141u, {0xA4000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 666: a request */
+        {{0x141u, {0xA4326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 666: and a reply: ok */
+        {{0x141u, {0xA5000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 667: a request */
+        {{0x141u, {0xA5326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 667: and a reply: ok */
+        {{0x141u, {0xA6000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 668: a request */
+        {{0x141u, {0xA6326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 668: and a reply: ok */
+        {{0x141u, {0xA7000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 669: a request */
+        {{0x141u, {0xA7326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 669: and a reply: ok */
+        {{0x141u, {0xA8000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 670: a request */
+        {{0x141u, {0xA8326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 670: and a reply: ok */
+        {{0x141u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 671: a request */
+        /* 671: and a reply: not_answer */
+        {{0x141u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 672: a request */
+        /* 672: and a reply: not_answer */
+        {{0x141u, {0xAD326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0xAD000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 673: a request */
+        /* 673: and a reply: not_answer */
+        {{0x141u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x160u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 674: a request */
+        {{0x160u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 674: and a reply: ok */
+        {{0x160u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 675: a request */
+        /* 675: and a reply: not_answer */
+        {{0x15Fu, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x142u, {0xB00A0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 676: a request */
+        {{0x142u, {0xB00A0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 676: and a reply: ok */
+        {{0x142u, {0xB10A0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 677: a request */
+        {{0x142u, {0xB10A0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 677: and a reply: ok */
+        {{0x142u, {0xB00C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 678: a request */
+        {{0x142u, {0xB00C0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 678: and a reply: ok */
+        {{0x142u, {0xB10C0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 679: a request */
+        {{0x142u, {0xB10C0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 679: and a reply: ok */
+        {{0x142u, {0xB00E0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 680: a request */
+        {{0x142u, {0xB00E0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 680: and a reply: ok */
+        {{0x142u, {0xB10E0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 681: a request */
+        {{0x142u, {0xB10E0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 681: and a reply: ok */
+        {{0x142u, {0xB10E0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 682: a request */
+        {{0x142u, {0xB10E0000u, 0x84030000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 682: and a reply: ok */
+        {{0x142u, {0xB00C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 683: a request */
+        /* 683: and a reply: not_answer */
+        {{0x142u, {0xB00E0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x142u, {0xB10A0000u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 684: a request */
+        /* 684: and a reply: not_answer */
+        {{0x142u, {0xB10C0000u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x142u, {0xB00C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 685: a request */
+        /* 685: and a reply: not_answer */
+        {{0x142u, {0xB10C0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x142u, {0xB00C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 686: a request */
+        /* 686: and a reply: not_answer */
+        {{0x143u, {0xB00C0000u, 0xE8030000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 687: a request */
+        {{0x141u, {0x9A196009u, 0x96000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 687: and a reply: ok */
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 688: a request */
+        {{0x141u, {0x9B196009u, 0x96000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 688: and a reply: ok */
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 689: a request */
+        /* 689: and a reply: not_answer */
+        {{0x141u, {0x9A196009u, 0x96000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 690: a request */
+        /* 690: and a reply: not_answer */
+        {{0x141u, {0x9B196009u, 0x96000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 691: a request */
+        /* 691: and a reply: not_answer */
+        {{0x141u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x142u, {0x90000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 692: a request */
+        {{0x142u, {0x90000102u, 0x03040506u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 692: and a reply: ok */
+        {{0x142u, {0x19000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 693: a request */
+        {{0x142u, {0x19000000u, 0x00003412u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 693: and a reply: ok */
+        {{0x142u, {0x92000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 694: a request */
+        {{0x142u, {0x92A08C00u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 694: and a reply: ok */
+        {{0x142u, {0x94000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 695: a request */
+        {{0x142u, {0x94000000u, 0x50460000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 695: and a reply: ok */
+        {{0x142u, {0x9C000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 696: a request */
+        {{0x142u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 696: and a reply: ok */
+        {{0x142u, {0x9D000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 697: a request */
+        {{0x142u, {0x9D194000u, 0xC0FF0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 697: and a reply: ok */
+        {{0x143u, {0x95000000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 698: a request */
+        {{0x143u, {0x95000000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 698: and a reply: ok */
+        {{0x143u, {0x95000000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 699: a request */
+        /* 699: and a reply: not_answer */
+        {{0x143u, {0x95000000u, 0xA18C0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x143u, {0x95000000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 700: a request */
+        {{0x143u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 700: and a reply: not_answer */
+        {{0x143u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 701: a request */
+        {{0x143u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 701: and a reply: ok */
+        {{0x143u, {0x91000000u, 0x00003412u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 702: a request */
+        {{0x143u, {0x91000000u, 0x00003412u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 702: and a reply: ok */
+        {{0x143u, {0x91000000u, 0x00003412u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 703: a request */
+        /* 703: and a reply: not_answer */
+        {{0x143u, {0x91000000u, 0x00003477u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
     };
-    static const canwright_golden_exchange_t exchanges[] CANWRIGHT_FLASH = {
-        /* 648: request and reply: ok */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 649: request and reply: not_answer */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x01u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 650: request and reply: not_answer */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 651: request and reply: not_answer */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 652: request and reply: ok */
-        {{0x142u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x81u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 653: request and reply: ok */
-        {{0x142u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x88u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 654: request and reply: ok */
-        {{0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 655: request and reply: ok */
-        {{0x141u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x8Cu, 0x01u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 656: request and reply: ok */
-        {{0x141u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 657: request and reply: ok */
-        {{0x141u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x8Cu, 0x01u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 658: request and reply: ok */
-        {{0x141u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 659: request and reply: not_answer */
-        {{0x141u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x8Cu, 0x01u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 660: request and reply: not_answer */
-        {{0x141u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x88u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 661: request and reply: ok */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA0u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 662: request and reply: ok */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 663: request and reply: ok */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 664: request and reply: ok */
-        {{0x141u, {0xADu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xADu, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 665: request and reply: ok */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA3u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 666: request and reply: ok */
-        {{0x141u, {0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA4u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 667: request and reply: ok */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA5u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 668: request and reply: ok */
-        {{0x141u, {0xA6u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA6u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 669: request and reply: ok */
-        {{0x141u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA7u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 670: request and reply: ok */
-        {{0x141u, {0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA8u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 671: request and reply: not_answer */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 672: request and reply: not_answer */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xADu, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 673: request and reply: not_answer */
-        {{0x141u, {0xADu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 674: request and reply: ok */
-        {{0x160u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x160u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 675: request and reply: not_answer */
-        {{0x160u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x15Fu, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 676: request and reply: ok */
-        {{0x142u, {0xB0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0xB0u, 0x0Au, 0x00u, 0x00u,
-            0xE8u, 0x03u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 677: request and reply: ok */
-        {{0x142u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, {0x142u, {0xB1u, 0x0Au, 0x00u, 0x00u,
-            0xE8u, 0x03u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 678: request and reply: ok */
-        {{0x142u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0xB0u, 0x0Cu, 0x00u, 0x00u,
-            0xE8u, 0x03u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 679: request and reply: ok */
-        {{0x142u, {0xB1u, 0x0Cu, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, {0x142u, {0xB1u, 0x0Cu, 0x00u, 0x00u,
-            0xE8u, 0x03u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 680: request and reply: ok */
-        {{0x142u, {0xB0u, 0x0Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0xB0u, 0x0Eu, 0x00u, 0x00u,
-            0xE8u, 0x03u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 681: request and reply: ok */
-        {{0x142u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, {0x142u, {0xB1u, 0x0Eu, 0x00u, 0x00u,
-            0xE8u, 0x03u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 682: request and reply: ok */
-        {{0x142u, {0xB1u, 0x0Eu, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, {0x142u, {0xB1u, 0x0Eu, 0x00u, 0x00u,
-            0x84u, 0x03u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 683: request and reply: not_answer */
-        {{0x142u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0xB0u, 0x0Eu, 0x00u, 0x00u,
-            0xE8u, 0x03u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 684: request and reply: not_answer */
-        {{0x142u, {0xB1u, 0x0Au, 0x00u, 0x00u, 0x05u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0xB1u, 0x0Cu, 0x00u, 0x00u,
-            0x05u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 685: request and reply: not_answer */
-        {{0x142u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0xB1u, 0x0Cu, 0x00u, 0x00u,
-            0xE8u, 0x03u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 686: request and reply: not_answer */
-        {{0x142u, {0xB0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x143u, {0xB0u, 0x0Cu, 0x00u, 0x00u,
-            0xE8u, 0x03u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 687: request and reply: ok */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Au, 0x19u, 0x60u, 0x09u,
-            0x96u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 688: request and reply: ok */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Bu, 0x19u, 0x60u, 0x09u,
-            0x96u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 689: request and reply: not_answer */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Au, 0x19u, 0x60u, 0x09u,
-            0x96u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 690: request and reply: not_answer */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Bu, 0x19u, 0x60u, 0x09u,
-            0x96u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 691: request and reply: not_answer */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Cu, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 692: request and reply: ok */
-        {{0x142u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x90u, 0x00u, 0x01u, 0x02u,
-            0x03u, 0x04u, 0x05u, 0x06u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 693: request and reply: ok */
-        {{0x142u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x19u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x34u, 0x12u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 694: request and reply: ok */
-        {{0x142u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x92u, 0xA0u, 0x8Cu, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 695: request and reply: ok */
-        {{0x142u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x94u, 0x00u, 0x00u, 0x00u,
-            0x50u, 0x46u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 696: request and reply: ok */
-        {{0x142u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x9Cu, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 697: request and reply: ok */
-        {{0x142u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x9Du, 0x19u, 0x40u, 0x00u,
-            0xC0u, 0xFFu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 698: request and reply: ok */
-        {{0x143u, {0x95u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, {0x143u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0xA0u, 0x8Cu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 699: request and reply: not_answer */
-        {{0x143u, {0x95u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, {0x143u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0xA1u, 0x8Cu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 700: request and reply: not_answer */
-        {{0x143u, {0x95u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, {0x143u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 701: request and reply: ok */
-        {{0x143u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x143u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 702: request and reply: ok */
-        {{0x143u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x34u, 0x12u}}, {0x143u, {0x91u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x34u, 0x12u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 703: request and reply: not_answer */
-        {{0x143u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x34u, 0x12u}}, {0x143u, {0x91u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x34u, 0x77u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-    };
-    mwd_motor_v2_35_2024_02_parameters_t parameters;
-    const canwright_stored_t none = {0u, {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u}};
+    canwright_frame_t asked;
     mwd_motor_v2_35_2024_02_selftest_t done;
-    canwright_frame_t frame;
-    canwright_step_t step;
     uint16_t i;
     result->cases = 0u;
     result->failures = 0u;
     result->first = 0u;
     result->step = CANWRIGHT_STEP_NONE;
-    canwright_restore(&result->frame, &none, 0u);
-    for (i = 0u; i < 470u; i++) {
-        canwright_golden_t entry;
-        canwright_flash_read(&entry, frames, i, sizeof entry);
+    canwright_clear(&asked);
+    result->frame = asked;
+    for (i = 0u; i < 759u; i++) {
+        canwright_step_t step = CANWRIGHT_STEP_NONE;
+        mwd_motor_v2_35_2024_02_selftest_raws_t expected;
+        canwright_golden_message_t message;
+        canwright_case_t entry;
+        canwright_frame_t frame;
+        uint16_t field;
+        mwd_motor_v2_35_2024_02_any_request_t request;
+        canwright_status_t request_status;
+        mwd_motor_v2_35_2024_02_any_reply_t reply;
+        canwright_status_t reply_status;
+        mwd_motor_v2_35_2024_02_parameters_t parameters;
+        canwright_flash_read(&entry, cases, i, sizeof entry);
+        canwright_flash_read(&message, messages, entry.message, sizeof message);
         canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
         canwright_restore(&frame, &entry.frame, entry.dlc);
-        mwd_motor_v2_35_2024_02_selftest_message(&done, &frame, entry.message, entry.raws, entry.node, &parameters);
-        step = CANWRIGHT_STEP_NONE;
-        if (done.decoded != CANWRIGHT_OK) {
-            step = CANWRIGHT_STEP_DECODE;
-        } else if (!done.same || done.node != entry.node) {
-            step = CANWRIGHT_STEP_FIELDS;
-        } else if ((entry.flags & CANWRIGHT_GOLDEN_UNIQUE) != 0u && !done.any_same) {
-            step = CANWRIGHT_STEP_DECODE_ANY;
-        } else if ((entry.flags & CANWRIGHT_GOLDEN_ENCODED) != 0u
-            && (done.encoded != CANWRIGHT_OK || !canwright_same_frame(&done.written, &frame))) {
-            step = CANWRIGHT_STEP_ENCODE;
+        canwright_spoil(&done, sizeof done);
+        field = mwd_motor_v2_35_2024_02_selftest_read(&expected, message.layout, entry.raws, &parameters);
+        mwd_motor_v2_35_2024_02_selftest_message(&done, &frame, entry.message, entry.node, &expected, &parameters);
+        request_status = mwd_motor_v2_35_2024_02_decode_request(&request, &frame);
+        reply_status = mwd_motor_v2_35_2024_02_decode_reply(&reply, &frame, &parameters);
+        switch (entry.kind) {
+        case CANWRIGHT_CASE_ASKED:
+            asked = frame;
+            continue;
+        case CANWRIGHT_CASE_ANSWER:
+            if (mwd_motor_v2_35_2024_02_check_reply(&asked, &frame) != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REPLY;
+            }
+            break;
+        case CANWRIGHT_CASE_REQUEST:
+            if (request_status != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REJECT_FRAME;
+            }
+            break;
+        case CANWRIGHT_CASE_REPLY:
+            if (reply_status != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REJECT_FRAME;
+            }
+            break;
+        case CANWRIGHT_CASE_MESSAGE:
+            if (done.encoded != (canwright_status_t)entry.status || (entry.field != 0u && entry.field != field)) {
+                step = CANWRIGHT_STEP_REJECT_MESSAGE;
+            }
+            frame = done.written;
+            break;
+        default:
+            if (done.decoded != CANWRIGHT_OK) {
+                step = CANWRIGHT_STEP_DECODE;
+            } else if (done.node != entry.node || !mwd_motor_v2_35_2024_02_selftest_same(message.layout, &done.raws,
+                &expected)) {
+                step = CANWRIGHT_STEP_FIELDS;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_UNIQUE) != 0u && !message.is_reply
+                && (request_status != CANWRIGHT_OK || (uint32_t)request.command != message.command
+                    || request.node != entry.node
+                    || !mwd_motor_v2_35_2024_02_selftest_same(message.layout, &request.as, &expected))) {
+                step = CANWRIGHT_STEP_DECODE_ANY;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_UNIQUE) != 0u && message.is_reply
+                && (reply_status != CANWRIGHT_OK || (uint32_t)reply.command != message.command
+                    || reply.node != entry.node
+                    || !mwd_motor_v2_35_2024_02_selftest_same(message.layout, &reply.as, &expected))) {
+                step = CANWRIGHT_STEP_DECODE_ANY;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_ENCODED) != 0u
+                && (done.encoded != CANWRIGHT_OK || !canwright_same_frame(&done.written, &frame))) {
+                step = CANWRIGHT_STEP_ENCODE;
+            }
+            break;
         }
         canwright_selftest_count(result, step, &frame);
-    }
-    for (i = 0u; i < 88u; i++) {
-        canwright_golden_rejection_t entry;
-        canwright_flash_read(&entry, rejections, i, sizeof entry);
-        canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
-        canwright_restore(&frame, &entry.frame, entry.dlc);
-        step = CANWRIGHT_STEP_REJECT_FRAME;
-        if (entry.is_request == 1u) {
-            mwd_motor_v2_35_2024_02_any_request_t any;
-            if (mwd_motor_v2_35_2024_02_decode_request(&any, &frame) == (canwright_status_t)entry.status) {
-                step = CANWRIGHT_STEP_NONE;
-            }
-        }
-        if (entry.is_request == 0u) {
-            mwd_motor_v2_35_2024_02_any_reply_t any;
-            if (mwd_motor_v2_35_2024_02_decode_reply(&any, &frame, &parameters) == (canwright_status_t)entry.status) {
-                step = CANWRIGHT_STEP_NONE;
-            }
-        }
-        canwright_selftest_count(result, step, &frame);
-    }
-    for (i = 0u; i < 89u; i++) {
-        canwright_golden_refusal_t entry;
-        canwright_flash_read(&entry, refusals, i, sizeof entry);
-        canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
-        canwright_restore(&frame, &none, 0u);
-        done.written = frame;
-        mwd_motor_v2_35_2024_02_selftest_message(&done, &frame, entry.message, entry.raws, entry.node, &parameters);
-        step = CANWRIGHT_STEP_NONE;
-        if (done.encoded != (canwright_status_t)entry.status || (entry.field != 0u && entry.field != done.field)) {
-            step = CANWRIGHT_STEP_REJECT_MESSAGE;
-        }
-        canwright_selftest_count(result, step, &done.written);
-    }
-    for (i = 0u; i < 56u; i++) {
-        canwright_golden_exchange_t entry;
-        canwright_flash_read(&entry, exchanges, i, sizeof entry);
-        canwright_frame_t reply;
-        canwright_restore(&frame, &entry.request, entry.request_dlc);
-        canwright_restore(&reply, &entry.reply, entry.reply_dlc);
-        step = CANWRIGHT_STEP_NONE;
-        if (mwd_motor_v2_35_2024_02_check_reply(&frame, &reply) != (canwright_status_t)entry.status) {
-            step = CANWRIGHT_STEP_REPLY;
-        }
-        canwright_selftest_count(result, step, &reply);
     }
     return result->failures;
 }

@@ -25,210 +25,176 @@
 #endif
 #endif
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_set_power_request_matches(
-    const mwd_motor_v2_35_set_power_request_t *one, const mwd_motor_v2_35_set_power_request_t *other)
-{
-    return one->power == other->power;
-}
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_motion_feedback_matches(
-    const mwd_motor_v2_35_motion_feedback_t *one, const mwd_motor_v2_35_motion_feedback_t *other)
-{
-    return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
-        && one->speed == other->speed && one->encoder == other->encoder;
-}
+/** The raw integers of any message. */
+typedef union {
+    /** Of a message without fields. */
+    uint8_t none;
+    mwd_motor_v2_35_set_power_request_t raws_set_power_request;
+    mwd_motor_v2_35_motion_feedback_t raws_motion_feedback;
+    mwd_motor_v2_35_set_torque_request_t raws_set_torque_request;
+    mwd_motor_v2_35_set_speed_request_t raws_set_speed_request;
+    mwd_motor_v2_35_move_to_angle_request_t raws_move_to_angle_request;
+    mwd_motor_v2_35_move_to_angle_at_speed_request_t raws_move_to_angle_at_speed_request;
+    mwd_motor_v2_35_turn_to_angle_request_t raws_turn_to_angle_request;
+    mwd_motor_v2_35_turn_to_angle_at_speed_request_t raws_turn_to_angle_at_speed_request;
+    mwd_motor_v2_35_move_by_angle_request_t raws_move_by_angle_request;
+    mwd_motor_v2_35_move_by_angle_at_speed_request_t raws_move_by_angle_at_speed_request;
+    mwd_motor_v2_35_pid_gains_t raws_pid_gains;
+    mwd_motor_v2_35_read_acceleration_reply_t raws_read_acceleration_reply;
+    mwd_motor_v2_35_write_acceleration_ram_t raws_write_acceleration_ram;
+    mwd_motor_v2_35_read_encoder_reply_t raws_read_encoder_reply;
+    mwd_motor_v2_35_write_encoder_offset_rom_t raws_write_encoder_offset_rom;
+    mwd_motor_v2_35_write_position_as_zero_rom_reply_t raws_write_position_as_zero_rom_reply;
+    mwd_motor_v2_35_read_multi_turn_angle_reply_t raws_read_multi_turn_angle_reply;
+    mwd_motor_v2_35_read_single_turn_angle_reply_t raws_read_single_turn_angle_reply;
+    mwd_motor_v2_35_status_1_t raws_status_1;
+    mwd_motor_v2_35_read_status_3_reply_t raws_read_status_3_reply;
+    mwd_motor_v2_35_broadcast_torque_request_t raws_broadcast_torque_request;
+} mwd_motor_v2_35_selftest_raws_t;
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_set_torque_request_matches(
-    const mwd_motor_v2_35_set_torque_request_t *one, const mwd_motor_v2_35_set_torque_request_t *other)
-{
-    return one->iq == other->iq;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_set_speed_request_matches(
-    const mwd_motor_v2_35_set_speed_request_t *one, const mwd_motor_v2_35_set_speed_request_t *other)
-{
-    return one->speed == other->speed;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_move_to_angle_request_matches(
-    const mwd_motor_v2_35_move_to_angle_request_t *one, const mwd_motor_v2_35_move_to_angle_request_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_move_to_angle_at_speed_request_matches(
-    const mwd_motor_v2_35_move_to_angle_at_speed_request_t *one,
-    const mwd_motor_v2_35_move_to_angle_at_speed_request_t *other)
-{
-    return one->max_speed == other->max_speed && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_turn_to_angle_request_matches(
-    const mwd_motor_v2_35_turn_to_angle_request_t *one, const mwd_motor_v2_35_turn_to_angle_request_t *other)
-{
-    return one->spin_direction == other->spin_direction && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_turn_to_angle_at_speed_request_matches(
-    const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *one,
-    const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *other)
-{
-    return one->spin_direction == other->spin_direction && one->max_speed == other->max_speed
-        && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_move_by_angle_request_matches(
-    const mwd_motor_v2_35_move_by_angle_request_t *one, const mwd_motor_v2_35_move_by_angle_request_t *other)
-{
-    return one->increment == other->increment;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_move_by_angle_at_speed_request_matches(
-    const mwd_motor_v2_35_move_by_angle_at_speed_request_t *one,
-    const mwd_motor_v2_35_move_by_angle_at_speed_request_t *other)
-{
-    return one->max_speed == other->max_speed && one->increment == other->increment;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_pid_gains_matches(
-    const mwd_motor_v2_35_pid_gains_t *one, const mwd_motor_v2_35_pid_gains_t *other)
-{
-    return one->angle_kp == other->angle_kp && one->angle_ki == other->angle_ki && one->speed_kp == other->speed_kp
-        && one->speed_ki == other->speed_ki && one->iq_kp == other->iq_kp && one->iq_ki == other->iq_ki;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_read_acceleration_reply_matches(
-    const mwd_motor_v2_35_read_acceleration_reply_t *one, const mwd_motor_v2_35_read_acceleration_reply_t *other)
-{
-    return one->acceleration == other->acceleration;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_write_acceleration_ram_matches(
-    const mwd_motor_v2_35_write_acceleration_ram_t *one, const mwd_motor_v2_35_write_acceleration_ram_t *other)
-{
-    return one->acceleration == other->acceleration;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_read_encoder_reply_matches(
-    const mwd_motor_v2_35_read_encoder_reply_t *one, const mwd_motor_v2_35_read_encoder_reply_t *other)
-{
-    return one->encoder == other->encoder && one->encoder_measured == other->encoder_measured
-        && one->encoder_offset == other->encoder_offset;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_write_encoder_offset_rom_matches(
-    const mwd_motor_v2_35_write_encoder_offset_rom_t *one, const mwd_motor_v2_35_write_encoder_offset_rom_t *other)
-{
-    return one->encoder_offset == other->encoder_offset;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_write_position_as_zero_rom_reply_matches(
-    const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *one,
-    const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *other)
-{
-    return one->encoder_offset == other->encoder_offset;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_read_multi_turn_angle_reply_matches(
-    const mwd_motor_v2_35_read_multi_turn_angle_reply_t *one,
-    const mwd_motor_v2_35_read_multi_turn_angle_reply_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_read_single_turn_angle_reply_matches(
-    const mwd_motor_v2_35_read_single_turn_angle_reply_t *one,
-    const mwd_motor_v2_35_read_single_turn_angle_reply_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_status_1_matches(
-    const mwd_motor_v2_35_status_1_t *one, const mwd_motor_v2_35_status_1_t *other)
-{
-    return one->temperature == other->temperature && one->voltage == other->voltage && one->errors == other->errors
-        && one->frame_code == other->frame_code;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_read_status_3_reply_matches(
-    const mwd_motor_v2_35_read_status_3_reply_t *one, const mwd_motor_v2_35_read_status_3_reply_t *other)
-{
-    return one->temperature == other->temperature && one->phase_a == other->phase_a && one->phase_b == other->phase_b
-        && one->phase_c == other->phase_c;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_35_broadcast_torque_request_matches(
-    const mwd_motor_v2_35_broadcast_torque_request_t *one, const mwd_motor_v2_35_broadcast_torque_request_t *other)
-{
-    return one->iq[0] == other->iq[0] && one->iq[1] == other->iq[1] && one->iq[2] == other->iq[2]
-        && one->iq[3] == other->iq[3];
-}
-
-/** What the functions of one message return for a golden frame. */
+/** What the functions of one message return. */
 typedef struct {
     /** The status of the function that decodes the message. */
     canwright_status_t decoded;
-    /** True if it returns the expected fields. */
-    bool same;
+    /** The raw integers that it returns. */
+    mwd_motor_v2_35_selftest_raws_t raws;
     /** The node that it returns. */
     uint32_t node;
     /** The status of the function that encodes the message. */
     canwright_status_t encoded;
     /** The frame that it writes. */
     canwright_frame_t written;
-    /** The rejected field; 0 without. */
-    uint16_t field;
-    /** True if the function that decodes any frame returns the same command, node and fields. */
-    bool any_same;
 } mwd_motor_v2_35_selftest_t;
 
-/** Decodes a frame as one message, and encodes the message with the raw integers of an entry. */
+/** True for messages of a layout with equal fields. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_35_selftest_message(
-    mwd_motor_v2_35_selftest_t *result, const canwright_frame_t *frame, uint16_t message, uint16_t raws,
-    uint32_t node, const mwd_motor_v2_35_parameters_t *parameters)
+static inline bool mwd_motor_v2_35_selftest_same(uint16_t layout, const void *raws, const void *expected)
+{
+    switch (layout) {
+    case 1u: {
+        const mwd_motor_v2_35_set_power_request_t *one = (const mwd_motor_v2_35_set_power_request_t *)raws;
+        const mwd_motor_v2_35_set_power_request_t *other = (const mwd_motor_v2_35_set_power_request_t *)expected;
+        return one->power == other->power;
+    }
+    case 2u: {
+        const mwd_motor_v2_35_motion_feedback_t *one = (const mwd_motor_v2_35_motion_feedback_t *)raws;
+        const mwd_motor_v2_35_motion_feedback_t *other = (const mwd_motor_v2_35_motion_feedback_t *)expected;
+        return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
+            && one->speed == other->speed && one->encoder == other->encoder;
+    }
+    case 3u: {
+        const mwd_motor_v2_35_set_torque_request_t *one = (const mwd_motor_v2_35_set_torque_request_t *)raws;
+        const mwd_motor_v2_35_set_torque_request_t *other = (const mwd_motor_v2_35_set_torque_request_t *)expected;
+        return one->iq == other->iq;
+    }
+    case 4u: {
+        const mwd_motor_v2_35_set_speed_request_t *one = (const mwd_motor_v2_35_set_speed_request_t *)raws;
+        const mwd_motor_v2_35_set_speed_request_t *other = (const mwd_motor_v2_35_set_speed_request_t *)expected;
+        return one->speed == other->speed;
+    }
+    case 5u: {
+        const mwd_motor_v2_35_move_to_angle_request_t *one = (const mwd_motor_v2_35_move_to_angle_request_t *)raws;
+        const mwd_motor_v2_35_move_to_angle_request_t *other = (const mwd_motor_v2_35_move_to_angle_request_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 6u: {
+        const mwd_motor_v2_35_move_to_angle_at_speed_request_t *one = (const mwd_motor_v2_35_move_to_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_35_move_to_angle_at_speed_request_t *other = (const mwd_motor_v2_35_move_to_angle_at_speed_request_t *)expected;
+        return one->max_speed == other->max_speed && one->angle == other->angle;
+    }
+    case 7u: {
+        const mwd_motor_v2_35_turn_to_angle_request_t *one = (const mwd_motor_v2_35_turn_to_angle_request_t *)raws;
+        const mwd_motor_v2_35_turn_to_angle_request_t *other = (const mwd_motor_v2_35_turn_to_angle_request_t *)expected;
+        return one->spin_direction == other->spin_direction && one->angle == other->angle;
+    }
+    case 8u: {
+        const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *one = (const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *other = (const mwd_motor_v2_35_turn_to_angle_at_speed_request_t *)expected;
+        return one->spin_direction == other->spin_direction && one->max_speed == other->max_speed
+            && one->angle == other->angle;
+    }
+    case 9u: {
+        const mwd_motor_v2_35_move_by_angle_request_t *one = (const mwd_motor_v2_35_move_by_angle_request_t *)raws;
+        const mwd_motor_v2_35_move_by_angle_request_t *other = (const mwd_motor_v2_35_move_by_angle_request_t *)expected;
+        return one->increment == other->increment;
+    }
+    case 10u: {
+        const mwd_motor_v2_35_move_by_angle_at_speed_request_t *one = (const mwd_motor_v2_35_move_by_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_35_move_by_angle_at_speed_request_t *other = (const mwd_motor_v2_35_move_by_angle_at_speed_request_t *)expected;
+        return one->max_speed == other->max_speed && one->increment == other->increment;
+    }
+    case 11u: {
+        const mwd_motor_v2_35_pid_gains_t *one = (const mwd_motor_v2_35_pid_gains_t *)raws;
+        const mwd_motor_v2_35_pid_gains_t *other = (const mwd_motor_v2_35_pid_gains_t *)expected;
+        return one->angle_kp == other->angle_kp && one->angle_ki == other->angle_ki
+            && one->speed_kp == other->speed_kp && one->speed_ki == other->speed_ki && one->iq_kp == other->iq_kp
+            && one->iq_ki == other->iq_ki;
+    }
+    case 12u: {
+        const mwd_motor_v2_35_read_acceleration_reply_t *one = (const mwd_motor_v2_35_read_acceleration_reply_t *)raws;
+        const mwd_motor_v2_35_read_acceleration_reply_t *other = (const mwd_motor_v2_35_read_acceleration_reply_t *)expected;
+        return one->acceleration == other->acceleration;
+    }
+    case 13u: {
+        const mwd_motor_v2_35_write_acceleration_ram_t *one = (const mwd_motor_v2_35_write_acceleration_ram_t *)raws;
+        const mwd_motor_v2_35_write_acceleration_ram_t *other = (const mwd_motor_v2_35_write_acceleration_ram_t *)expected;
+        return one->acceleration == other->acceleration;
+    }
+    case 14u: {
+        const mwd_motor_v2_35_read_encoder_reply_t *one = (const mwd_motor_v2_35_read_encoder_reply_t *)raws;
+        const mwd_motor_v2_35_read_encoder_reply_t *other = (const mwd_motor_v2_35_read_encoder_reply_t *)expected;
+        return one->encoder == other->encoder && one->encoder_measured == other->encoder_measured
+            && one->encoder_offset == other->encoder_offset;
+    }
+    case 15u: {
+        const mwd_motor_v2_35_write_encoder_offset_rom_t *one = (const mwd_motor_v2_35_write_encoder_offset_rom_t *)raws;
+        const mwd_motor_v2_35_write_encoder_offset_rom_t *other = (const mwd_motor_v2_35_write_encoder_offset_rom_t *)expected;
+        return one->encoder_offset == other->encoder_offset;
+    }
+    case 16u: {
+        const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *one = (const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *)raws;
+        const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *other = (const mwd_motor_v2_35_write_position_as_zero_rom_reply_t *)expected;
+        return one->encoder_offset == other->encoder_offset;
+    }
+    case 17u: {
+        const mwd_motor_v2_35_read_multi_turn_angle_reply_t *one = (const mwd_motor_v2_35_read_multi_turn_angle_reply_t *)raws;
+        const mwd_motor_v2_35_read_multi_turn_angle_reply_t *other = (const mwd_motor_v2_35_read_multi_turn_angle_reply_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 18u: {
+        const mwd_motor_v2_35_read_single_turn_angle_reply_t *one = (const mwd_motor_v2_35_read_single_turn_angle_reply_t *)raws;
+        const mwd_motor_v2_35_read_single_turn_angle_reply_t *other = (const mwd_motor_v2_35_read_single_turn_angle_reply_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 19u: {
+        const mwd_motor_v2_35_status_1_t *one = (const mwd_motor_v2_35_status_1_t *)raws;
+        const mwd_motor_v2_35_status_1_t *other = (const mwd_motor_v2_35_status_1_t *)expected;
+        return one->temperature == other->temperature && one->voltage == other->voltage
+            && one->errors == other->errors && one->frame_code == other->frame_code;
+    }
+    case 20u: {
+        const mwd_motor_v2_35_read_status_3_reply_t *one = (const mwd_motor_v2_35_read_status_3_reply_t *)raws;
+        const mwd_motor_v2_35_read_status_3_reply_t *other = (const mwd_motor_v2_35_read_status_3_reply_t *)expected;
+        return one->temperature == other->temperature && one->phase_a == other->phase_a
+            && one->phase_b == other->phase_b && one->phase_c == other->phase_c;
+    }
+    case 21u: {
+        const mwd_motor_v2_35_broadcast_torque_request_t *one = (const mwd_motor_v2_35_broadcast_torque_request_t *)raws;
+        const mwd_motor_v2_35_broadcast_torque_request_t *other = (const mwd_motor_v2_35_broadcast_torque_request_t *)expected;
+        return one->iq[0] == other->iq[0] && one->iq[1] == other->iq[1] && one->iq[2] == other->iq[2]
+            && one->iq[3] == other->iq[3];
+    }
+    default:
+        return raws != expected;
+    }
+}
+
+/** Reads an entry of the table of a layout; returns the field that is rejected, 0 without. */
+CANWRIGHT_NONNULL
+static inline uint16_t mwd_motor_v2_35_selftest_read(
+    mwd_motor_v2_35_selftest_raws_t *raws, uint16_t layout, uint16_t index,
+    const mwd_motor_v2_35_parameters_t *parameters)
 {
     static const mwd_motor_v2_35_set_power_request_t raws_set_power_request[] CANWRIGHT_FLASH = {
         {200},
@@ -509,880 +475,418 @@ static inline void mwd_motor_v2_35_selftest_message(
         {{0, -2001, 0, 0}},
         {{0, 0, 0, 32767}},
     };
-    union {
-        mwd_motor_v2_35_set_power_request_t raws_set_power_request;
-        mwd_motor_v2_35_motion_feedback_t raws_motion_feedback;
-        mwd_motor_v2_35_set_torque_request_t raws_set_torque_request;
-        mwd_motor_v2_35_set_speed_request_t raws_set_speed_request;
-        mwd_motor_v2_35_move_to_angle_request_t raws_move_to_angle_request;
-        mwd_motor_v2_35_move_to_angle_at_speed_request_t raws_move_to_angle_at_speed_request;
-        mwd_motor_v2_35_turn_to_angle_request_t raws_turn_to_angle_request;
-        mwd_motor_v2_35_turn_to_angle_at_speed_request_t raws_turn_to_angle_at_speed_request;
-        mwd_motor_v2_35_move_by_angle_request_t raws_move_by_angle_request;
-        mwd_motor_v2_35_move_by_angle_at_speed_request_t raws_move_by_angle_at_speed_request;
-        mwd_motor_v2_35_pid_gains_t raws_pid_gains;
-        mwd_motor_v2_35_read_acceleration_reply_t raws_read_acceleration_reply;
-        mwd_motor_v2_35_write_acceleration_ram_t raws_write_acceleration_ram;
-        mwd_motor_v2_35_read_encoder_reply_t raws_read_encoder_reply;
-        mwd_motor_v2_35_write_encoder_offset_rom_t raws_write_encoder_offset_rom;
-        mwd_motor_v2_35_write_position_as_zero_rom_reply_t raws_write_position_as_zero_rom_reply;
-        mwd_motor_v2_35_read_multi_turn_angle_reply_t raws_read_multi_turn_angle_reply;
-        mwd_motor_v2_35_read_single_turn_angle_reply_t raws_read_single_turn_angle_reply;
-        mwd_motor_v2_35_status_1_t raws_status_1;
-        mwd_motor_v2_35_read_status_3_reply_t raws_read_status_3_reply;
-        mwd_motor_v2_35_broadcast_torque_request_t raws_broadcast_torque_request;
-    } wanted, found;
-    mwd_motor_v2_35_any_request_t request;
-    mwd_motor_v2_35_any_reply_t reply;
     mwd_motor_v2_35_field_t field = MWD_MOTOR_V2_35_FIELD_NONE;
-    result->decoded = CANWRIGHT_UNKNOWN_CODE;
-    result->same = false;
-    result->node = 0u;
-    result->encoded = CANWRIGHT_UNKNOWN_CODE;
-    result->any_same = false;
+    canwright_status_t status = CANWRIGHT_OK;
+    raws->none = 0u;
     (void)parameters;
-    switch (message) {
+switch (layout) {
+    case 1u:
+        canwright_flash_read(&raws->raws_set_power_request, raws_set_power_request, index,
+            sizeof raws->raws_set_power_request);
+        status = mwd_motor_v2_35_set_power_request_check(&field, &raws->raws_set_power_request);
+        break;
+    case 2u:
+        canwright_flash_read(&raws->raws_motion_feedback, raws_motion_feedback, index,
+            sizeof raws->raws_motion_feedback);
+        status = mwd_motor_v2_35_motion_feedback_check(&field, &raws->raws_motion_feedback, parameters);
+        break;
+    case 3u:
+        canwright_flash_read(&raws->raws_set_torque_request, raws_set_torque_request, index,
+            sizeof raws->raws_set_torque_request);
+        status = mwd_motor_v2_35_set_torque_request_check(&field, &raws->raws_set_torque_request);
+        break;
+    case 4u:
+        canwright_flash_read(&raws->raws_set_speed_request, raws_set_speed_request, index,
+            sizeof raws->raws_set_speed_request);
+        break;
+    case 5u:
+        canwright_flash_read(&raws->raws_move_to_angle_request, raws_move_to_angle_request, index,
+            sizeof raws->raws_move_to_angle_request);
+        break;
+    case 6u:
+        canwright_flash_read(&raws->raws_move_to_angle_at_speed_request, raws_move_to_angle_at_speed_request, index,
+            sizeof raws->raws_move_to_angle_at_speed_request);
+        break;
+    case 7u:
+        canwright_flash_read(&raws->raws_turn_to_angle_request, raws_turn_to_angle_request, index,
+            sizeof raws->raws_turn_to_angle_request);
+        status = mwd_motor_v2_35_turn_to_angle_request_check(&field, &raws->raws_turn_to_angle_request);
+        break;
+    case 8u:
+        canwright_flash_read(&raws->raws_turn_to_angle_at_speed_request, raws_turn_to_angle_at_speed_request, index,
+            sizeof raws->raws_turn_to_angle_at_speed_request);
+        status = mwd_motor_v2_35_turn_to_angle_at_speed_request_check(&field,
+            &raws->raws_turn_to_angle_at_speed_request);
+        break;
+    case 9u:
+        canwright_flash_read(&raws->raws_move_by_angle_request, raws_move_by_angle_request, index,
+            sizeof raws->raws_move_by_angle_request);
+        break;
+    case 10u:
+        canwright_flash_read(&raws->raws_move_by_angle_at_speed_request, raws_move_by_angle_at_speed_request, index,
+            sizeof raws->raws_move_by_angle_at_speed_request);
+        break;
+    case 11u:
+        canwright_flash_read(&raws->raws_pid_gains, raws_pid_gains, index, sizeof raws->raws_pid_gains);
+        break;
+    case 12u:
+        canwright_flash_read(&raws->raws_read_acceleration_reply, raws_read_acceleration_reply, index,
+            sizeof raws->raws_read_acceleration_reply);
+        break;
+    case 13u:
+        canwright_flash_read(&raws->raws_write_acceleration_ram, raws_write_acceleration_ram, index,
+            sizeof raws->raws_write_acceleration_ram);
+        break;
+    case 14u:
+        canwright_flash_read(&raws->raws_read_encoder_reply, raws_read_encoder_reply, index,
+            sizeof raws->raws_read_encoder_reply);
+        status = mwd_motor_v2_35_read_encoder_reply_check(&field, &raws->raws_read_encoder_reply, parameters);
+        break;
+    case 15u:
+        canwright_flash_read(&raws->raws_write_encoder_offset_rom, raws_write_encoder_offset_rom, index,
+            sizeof raws->raws_write_encoder_offset_rom);
+        status = mwd_motor_v2_35_write_encoder_offset_rom_check(&field, &raws->raws_write_encoder_offset_rom,
+            parameters);
+        break;
+    case 16u:
+        canwright_flash_read(&raws->raws_write_position_as_zero_rom_reply, raws_write_position_as_zero_rom_reply,
+            index, sizeof raws->raws_write_position_as_zero_rom_reply);
+        status = mwd_motor_v2_35_write_position_as_zero_rom_reply_check(&field,
+            &raws->raws_write_position_as_zero_rom_reply, parameters);
+        break;
+    case 17u:
+        canwright_flash_read(&raws->raws_read_multi_turn_angle_reply, raws_read_multi_turn_angle_reply, index,
+            sizeof raws->raws_read_multi_turn_angle_reply);
+        status = mwd_motor_v2_35_read_multi_turn_angle_reply_check(&field, &raws->raws_read_multi_turn_angle_reply);
+        break;
+    case 18u:
+        canwright_flash_read(&raws->raws_read_single_turn_angle_reply, raws_read_single_turn_angle_reply, index,
+            sizeof raws->raws_read_single_turn_angle_reply);
+        status = mwd_motor_v2_35_read_single_turn_angle_reply_check(&field, &raws->raws_read_single_turn_angle_reply,
+            parameters);
+        break;
+    case 19u:
+        canwright_flash_read(&raws->raws_status_1, raws_status_1, index, sizeof raws->raws_status_1);
+        status = mwd_motor_v2_35_status_1_check(&field, &raws->raws_status_1);
+        break;
+    case 20u:
+        canwright_flash_read(&raws->raws_read_status_3_reply, raws_read_status_3_reply, index,
+            sizeof raws->raws_read_status_3_reply);
+        break;
+    case 21u:
+        canwright_flash_read(&raws->raws_broadcast_torque_request, raws_broadcast_torque_request, index,
+            sizeof raws->raws_broadcast_torque_request);
+        status = mwd_motor_v2_35_broadcast_torque_request_check(&field, &raws->raws_broadcast_torque_request);
+        break;
+    default:
+        (void)index;
+        break;
+    }
+    return (status == CANWRIGHT_OK) ? 0u : (uint16_t)field;
+}
+
+/** Decodes a frame as one message, and encodes the message with raw integers. */
+CANWRIGHT_NONNULL
+static inline void mwd_motor_v2_35_selftest_message(
+    mwd_motor_v2_35_selftest_t *result, const canwright_frame_t *frame, uint16_t message, uint32_t node,
+    const mwd_motor_v2_35_selftest_raws_t *raws, const mwd_motor_v2_35_parameters_t *parameters)
+{
+    result->node = 0u;
+    (void)node;
+    (void)raws;
+    (void)parameters;
+switch (message) {
     case 0u: /* request of motor_off */
         result->decoded = mwd_motor_v2_35_motor_off_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_motor_off_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF && request.node == result->node;
-        }
         break;
     case 1u: /* reply of motor_off */
         result->decoded = mwd_motor_v2_35_motor_off_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_motor_off_reply_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF && reply.node == result->node;
-        }
         break;
     case 2u: /* request of motor_on */
         result->decoded = mwd_motor_v2_35_motor_on_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_motor_on_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOTOR_ON && request.node == result->node;
-        }
         break;
     case 3u: /* reply of motor_on */
         result->decoded = mwd_motor_v2_35_motor_on_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_motor_on_reply_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOTOR_ON && reply.node == result->node;
-        }
         break;
     case 4u: /* request of motor_stop */
         result->decoded = mwd_motor_v2_35_motor_stop_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_motor_stop_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOTOR_STOP && request.node == result->node;
-        }
         break;
     case 5u: /* reply of motor_stop */
         result->decoded = mwd_motor_v2_35_motor_stop_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_motor_stop_reply_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOTOR_STOP && reply.node == result->node;
-        }
         break;
     case 6u: /* request of set_power */
-        canwright_flash_read(&wanted.raws_set_power_request, raws_set_power_request, raws,
-            sizeof wanted.raws_set_power_request);
-        result->decoded = mwd_motor_v2_35_set_power_request_decode(&found.raws_set_power_request, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_set_power_request_matches(&found.raws_set_power_request,
-                &wanted.raws_set_power_request);
-        }
-        if (mwd_motor_v2_35_set_power_request_check(&field, &wanted.raws_set_power_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_set_power_request_decode(&result->raws.raws_set_power_request,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_35_set_power_request_encode(&result->written, node,
-            &wanted.raws_set_power_request, parameters);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_POWER && request.node == result->node
-                && mwd_motor_v2_35_set_power_request_matches(&request.as.set_power, &wanted.raws_set_power_request);
-        }
+            &raws->raws_set_power_request, parameters);
         break;
     case 7u: /* reply of set_power */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_set_power_reply_decode(&found.raws_motion_feedback, &result->node, frame,
+        result->decoded = mwd_motor_v2_35_set_power_reply_decode(&result->raws.raws_motion_feedback, &result->node,
+            frame, parameters);
+        result->encoded = mwd_motor_v2_35_set_power_reply_encode(&result->written, node, &raws->raws_motion_feedback,
             parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
-        result->encoded = mwd_motor_v2_35_set_power_reply_encode(&result->written, node, &wanted.raws_motion_feedback,
-            parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_SET_POWER && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.set_power, &wanted.raws_motion_feedback);
-        }
         break;
     case 8u: /* request of set_torque */
-        canwright_flash_read(&wanted.raws_set_torque_request, raws_set_torque_request, raws,
-            sizeof wanted.raws_set_torque_request);
-        result->decoded = mwd_motor_v2_35_set_torque_request_decode(&found.raws_set_torque_request, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_set_torque_request_matches(&found.raws_set_torque_request,
-                &wanted.raws_set_torque_request);
-        }
-        if (mwd_motor_v2_35_set_torque_request_check(&field, &wanted.raws_set_torque_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_set_torque_request_decode(&result->raws.raws_set_torque_request,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_35_set_torque_request_encode(&result->written, node,
-            &wanted.raws_set_torque_request, parameters);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_TORQUE && request.node == result->node
-                && mwd_motor_v2_35_set_torque_request_matches(&request.as.set_torque,
-                &wanted.raws_set_torque_request);
-        }
+            &raws->raws_set_torque_request, parameters);
         break;
     case 9u: /* reply of set_torque */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_set_torque_reply_decode(&found.raws_motion_feedback, &result->node, frame,
+        result->decoded = mwd_motor_v2_35_set_torque_reply_decode(&result->raws.raws_motion_feedback, &result->node,
+            frame, parameters);
+        result->encoded = mwd_motor_v2_35_set_torque_reply_encode(&result->written, node, &raws->raws_motion_feedback,
             parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
-        result->encoded = mwd_motor_v2_35_set_torque_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_SET_TORQUE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.set_torque, &wanted.raws_motion_feedback);
-        }
         break;
     case 10u: /* request of set_speed */
-        canwright_flash_read(&wanted.raws_set_speed_request, raws_set_speed_request, raws,
-            sizeof wanted.raws_set_speed_request);
-        result->decoded = mwd_motor_v2_35_set_speed_request_decode(&found.raws_set_speed_request, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_set_speed_request_matches(&found.raws_set_speed_request,
-                &wanted.raws_set_speed_request);
-        }
+        result->decoded = mwd_motor_v2_35_set_speed_request_decode(&result->raws.raws_set_speed_request,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_35_set_speed_request_encode(&result->written, node,
-            &wanted.raws_set_speed_request);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_SET_SPEED && request.node == result->node
-                && mwd_motor_v2_35_set_speed_request_matches(&request.as.set_speed, &wanted.raws_set_speed_request);
-        }
+            &raws->raws_set_speed_request);
         break;
     case 11u: /* reply of set_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_set_speed_reply_decode(&found.raws_motion_feedback, &result->node, frame,
+        result->decoded = mwd_motor_v2_35_set_speed_reply_decode(&result->raws.raws_motion_feedback, &result->node,
+            frame, parameters);
+        result->encoded = mwd_motor_v2_35_set_speed_reply_encode(&result->written, node, &raws->raws_motion_feedback,
             parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
-        result->encoded = mwd_motor_v2_35_set_speed_reply_encode(&result->written, node, &wanted.raws_motion_feedback,
-            parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_SET_SPEED && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.set_speed, &wanted.raws_motion_feedback);
-        }
         break;
     case 12u: /* request of move_to_angle */
-        canwright_flash_read(&wanted.raws_move_to_angle_request, raws_move_to_angle_request, raws,
-            sizeof wanted.raws_move_to_angle_request);
-        result->decoded = mwd_motor_v2_35_move_to_angle_request_decode(&found.raws_move_to_angle_request,
+        result->decoded = mwd_motor_v2_35_move_to_angle_request_decode(&result->raws.raws_move_to_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_move_to_angle_request_matches(&found.raws_move_to_angle_request,
-                &wanted.raws_move_to_angle_request);
-        }
         result->encoded = mwd_motor_v2_35_move_to_angle_request_encode(&result->written, node,
-            &wanted.raws_move_to_angle_request);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_35_move_to_angle_request_matches(&request.as.move_to_angle,
-                &wanted.raws_move_to_angle_request);
-        }
+            &raws->raws_move_to_angle_request);
         break;
     case 13u: /* reply of move_to_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_move_to_angle_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_move_to_angle_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_35_move_to_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.move_to_angle, &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 14u: /* request of move_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_move_to_angle_at_speed_request, raws_move_to_angle_at_speed_request, raws,
-            sizeof wanted.raws_move_to_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_35_move_to_angle_at_speed_request_decode(&found.raws_move_to_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_35_move_to_angle_at_speed_request_decode(&result->raws.raws_move_to_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_move_to_angle_at_speed_request_matches(&found.raws_move_to_angle_at_speed_request,
-                &wanted.raws_move_to_angle_at_speed_request);
-        }
         result->encoded = mwd_motor_v2_35_move_to_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_move_to_angle_at_speed_request);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_35_move_to_angle_at_speed_request_matches(&request.as.move_to_angle_at_speed,
-                &wanted.raws_move_to_angle_at_speed_request);
-        }
+            &raws->raws_move_to_angle_at_speed_request);
         break;
     case 15u: /* reply of move_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_move_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_move_to_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_move_to_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.move_to_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 16u: /* request of turn_to_angle */
-        canwright_flash_read(&wanted.raws_turn_to_angle_request, raws_turn_to_angle_request, raws,
-            sizeof wanted.raws_turn_to_angle_request);
-        result->decoded = mwd_motor_v2_35_turn_to_angle_request_decode(&found.raws_turn_to_angle_request,
+        result->decoded = mwd_motor_v2_35_turn_to_angle_request_decode(&result->raws.raws_turn_to_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_turn_to_angle_request_matches(&found.raws_turn_to_angle_request,
-                &wanted.raws_turn_to_angle_request);
-        }
-        if (mwd_motor_v2_35_turn_to_angle_request_check(&field, &wanted.raws_turn_to_angle_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_turn_to_angle_request_encode(&result->written, node,
-            &wanted.raws_turn_to_angle_request);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_35_turn_to_angle_request_matches(&request.as.turn_to_angle,
-                &wanted.raws_turn_to_angle_request);
-        }
+            &raws->raws_turn_to_angle_request);
         break;
     case 17u: /* reply of turn_to_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_turn_to_angle_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_turn_to_angle_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_35_turn_to_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.turn_to_angle, &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 18u: /* request of turn_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_turn_to_angle_at_speed_request, raws_turn_to_angle_at_speed_request, raws,
-            sizeof wanted.raws_turn_to_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_35_turn_to_angle_at_speed_request_decode(&found.raws_turn_to_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_35_turn_to_angle_at_speed_request_decode(&result->raws.raws_turn_to_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_turn_to_angle_at_speed_request_matches(&found.raws_turn_to_angle_at_speed_request,
-                &wanted.raws_turn_to_angle_at_speed_request);
-        }
-        if (mwd_motor_v2_35_turn_to_angle_at_speed_request_check(&field,
-            &wanted.raws_turn_to_angle_at_speed_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_turn_to_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_turn_to_angle_at_speed_request);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_35_turn_to_angle_at_speed_request_matches(&request.as.turn_to_angle_at_speed,
-                &wanted.raws_turn_to_angle_at_speed_request);
-        }
+            &raws->raws_turn_to_angle_at_speed_request);
         break;
     case 19u: /* reply of turn_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_turn_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_turn_to_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_turn_to_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.turn_to_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 20u: /* request of move_by_angle */
-        canwright_flash_read(&wanted.raws_move_by_angle_request, raws_move_by_angle_request, raws,
-            sizeof wanted.raws_move_by_angle_request);
-        result->decoded = mwd_motor_v2_35_move_by_angle_request_decode(&found.raws_move_by_angle_request,
+        result->decoded = mwd_motor_v2_35_move_by_angle_request_decode(&result->raws.raws_move_by_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_move_by_angle_request_matches(&found.raws_move_by_angle_request,
-                &wanted.raws_move_by_angle_request);
-        }
         result->encoded = mwd_motor_v2_35_move_by_angle_request_encode(&result->written, node,
-            &wanted.raws_move_by_angle_request);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_35_move_by_angle_request_matches(&request.as.move_by_angle,
-                &wanted.raws_move_by_angle_request);
-        }
+            &raws->raws_move_by_angle_request);
         break;
     case 21u: /* reply of move_by_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_move_by_angle_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_move_by_angle_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_35_move_by_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.move_by_angle, &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 22u: /* request of move_by_angle_at_speed */
-        canwright_flash_read(&wanted.raws_move_by_angle_at_speed_request, raws_move_by_angle_at_speed_request, raws,
-            sizeof wanted.raws_move_by_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_35_move_by_angle_at_speed_request_decode(&found.raws_move_by_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_35_move_by_angle_at_speed_request_decode(&result->raws.raws_move_by_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_move_by_angle_at_speed_request_matches(&found.raws_move_by_angle_at_speed_request,
-                &wanted.raws_move_by_angle_at_speed_request);
-        }
         result->encoded = mwd_motor_v2_35_move_by_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_move_by_angle_at_speed_request);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_35_move_by_angle_at_speed_request_matches(&request.as.move_by_angle_at_speed,
-                &wanted.raws_move_by_angle_at_speed_request);
-        }
+            &raws->raws_move_by_angle_at_speed_request);
         break;
     case 23u: /* reply of move_by_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_move_by_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_35_move_by_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_move_by_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.move_by_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 24u: /* request of read_pid */
         result->decoded = mwd_motor_v2_35_read_pid_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_read_pid_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_READ_PID && request.node == result->node;
-        }
         break;
     case 25u: /* reply of read_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_35_read_pid_reply_decode(&found.raws_pid_gains, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        result->encoded = mwd_motor_v2_35_read_pid_reply_encode(&result->written, node, &wanted.raws_pid_gains);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_PID && reply.node == result->node
-                && mwd_motor_v2_35_pid_gains_matches(&reply.as.read_pid, &wanted.raws_pid_gains);
-        }
+        result->decoded = mwd_motor_v2_35_read_pid_reply_decode(&result->raws.raws_pid_gains, &result->node, frame);
+        result->encoded = mwd_motor_v2_35_read_pid_reply_encode(&result->written, node, &raws->raws_pid_gains);
         break;
     case 26u: /* request of write_pid_ram */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_35_write_pid_ram_request_decode(&found.raws_pid_gains, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        result->encoded = mwd_motor_v2_35_write_pid_ram_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM
-                && request.node == result->node && mwd_motor_v2_35_pid_gains_matches(&request.as.write_pid_ram,
-                &wanted.raws_pid_gains);
-        }
+        result->decoded = mwd_motor_v2_35_write_pid_ram_request_decode(&result->raws.raws_pid_gains, &result->node,
+            frame);
+        result->encoded = mwd_motor_v2_35_write_pid_ram_request_encode(&result->written, node, &raws->raws_pid_gains);
         break;
     case 27u: /* reply of write_pid_ram */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_35_write_pid_ram_reply_decode(&found.raws_pid_gains, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        result->encoded = mwd_motor_v2_35_write_pid_ram_reply_encode(&result->written, node, &wanted.raws_pid_gains);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM && reply.node == result->node
-                && mwd_motor_v2_35_pid_gains_matches(&reply.as.write_pid_ram, &wanted.raws_pid_gains);
-        }
+        result->decoded = mwd_motor_v2_35_write_pid_ram_reply_decode(&result->raws.raws_pid_gains, &result->node,
+            frame);
+        result->encoded = mwd_motor_v2_35_write_pid_ram_reply_encode(&result->written, node, &raws->raws_pid_gains);
         break;
     case 28u: /* reply of write_pid_rom */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_35_write_pid_rom_reply_decode(&found.raws_pid_gains, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        result->encoded = mwd_motor_v2_35_write_pid_rom_reply_encode(&result->written, node, &wanted.raws_pid_gains);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM && reply.node == result->node
-                && mwd_motor_v2_35_pid_gains_matches(&reply.as.write_pid_rom, &wanted.raws_pid_gains);
-        }
+        result->decoded = mwd_motor_v2_35_write_pid_rom_reply_decode(&result->raws.raws_pid_gains, &result->node,
+            frame);
+        result->encoded = mwd_motor_v2_35_write_pid_rom_reply_encode(&result->written, node, &raws->raws_pid_gains);
         break;
     case 29u: /* request of write_pid_rom */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_35_write_pid_rom_request_decode(&found.raws_pid_gains, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        result->encoded = mwd_motor_v2_35_write_pid_rom_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM
-                && request.node == result->node && mwd_motor_v2_35_pid_gains_matches(&request.as.write_pid_rom,
-                &wanted.raws_pid_gains);
-        }
+        result->decoded = mwd_motor_v2_35_write_pid_rom_request_decode(&result->raws.raws_pid_gains, &result->node,
+            frame);
+        result->encoded = mwd_motor_v2_35_write_pid_rom_request_encode(&result->written, node, &raws->raws_pid_gains);
         break;
     case 30u: /* request of read_acceleration */
         result->decoded = mwd_motor_v2_35_read_acceleration_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_read_acceleration_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION
-                && request.node == result->node;
-        }
         break;
     case 31u: /* reply of read_acceleration */
-        canwright_flash_read(&wanted.raws_read_acceleration_reply, raws_read_acceleration_reply, raws,
-            sizeof wanted.raws_read_acceleration_reply);
-        result->decoded = mwd_motor_v2_35_read_acceleration_reply_decode(&found.raws_read_acceleration_reply,
+        result->decoded = mwd_motor_v2_35_read_acceleration_reply_decode(&result->raws.raws_read_acceleration_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_read_acceleration_reply_matches(&found.raws_read_acceleration_reply,
-                &wanted.raws_read_acceleration_reply);
-        }
         result->encoded = mwd_motor_v2_35_read_acceleration_reply_encode(&result->written, node,
-            &wanted.raws_read_acceleration_reply);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION
-                && reply.node == result->node
-                && mwd_motor_v2_35_read_acceleration_reply_matches(&reply.as.read_acceleration,
-                &wanted.raws_read_acceleration_reply);
-        }
+            &raws->raws_read_acceleration_reply);
         break;
     case 32u: /* request of write_acceleration_ram */
-        canwright_flash_read(&wanted.raws_write_acceleration_ram, raws_write_acceleration_ram, raws,
-            sizeof wanted.raws_write_acceleration_ram);
-        result->decoded = mwd_motor_v2_35_write_acceleration_ram_request_decode(&found.raws_write_acceleration_ram,
+        result->decoded = mwd_motor_v2_35_write_acceleration_ram_request_decode(&result->raws.raws_write_acceleration_ram,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_write_acceleration_ram_matches(&found.raws_write_acceleration_ram,
-                &wanted.raws_write_acceleration_ram);
-        }
         result->encoded = mwd_motor_v2_35_write_acceleration_ram_request_encode(&result->written, node,
-            &wanted.raws_write_acceleration_ram);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM
-                && request.node == result->node
-                && mwd_motor_v2_35_write_acceleration_ram_matches(&request.as.write_acceleration_ram,
-                &wanted.raws_write_acceleration_ram);
-        }
+            &raws->raws_write_acceleration_ram);
         break;
     case 33u: /* reply of write_acceleration_ram */
-        canwright_flash_read(&wanted.raws_write_acceleration_ram, raws_write_acceleration_ram, raws,
-            sizeof wanted.raws_write_acceleration_ram);
-        result->decoded = mwd_motor_v2_35_write_acceleration_ram_reply_decode(&found.raws_write_acceleration_ram,
+        result->decoded = mwd_motor_v2_35_write_acceleration_ram_reply_decode(&result->raws.raws_write_acceleration_ram,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_write_acceleration_ram_matches(&found.raws_write_acceleration_ram,
-                &wanted.raws_write_acceleration_ram);
-        }
         result->encoded = mwd_motor_v2_35_write_acceleration_ram_reply_encode(&result->written, node,
-            &wanted.raws_write_acceleration_ram);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM
-                && reply.node == result->node
-                && mwd_motor_v2_35_write_acceleration_ram_matches(&reply.as.write_acceleration_ram,
-                &wanted.raws_write_acceleration_ram);
-        }
+            &raws->raws_write_acceleration_ram);
         break;
     case 34u: /* request of read_encoder */
         result->decoded = mwd_motor_v2_35_read_encoder_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_read_encoder_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_READ_ENCODER
-                && request.node == result->node;
-        }
         break;
     case 35u: /* reply of read_encoder */
-        canwright_flash_read(&wanted.raws_read_encoder_reply, raws_read_encoder_reply, raws,
-            sizeof wanted.raws_read_encoder_reply);
-        result->decoded = mwd_motor_v2_35_read_encoder_reply_decode(&found.raws_read_encoder_reply, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_read_encoder_reply_matches(&found.raws_read_encoder_reply,
-                &wanted.raws_read_encoder_reply);
-        }
-        if (mwd_motor_v2_35_read_encoder_reply_check(&field, &wanted.raws_read_encoder_reply,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_read_encoder_reply_decode(&result->raws.raws_read_encoder_reply,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_35_read_encoder_reply_encode(&result->written, node,
-            &wanted.raws_read_encoder_reply, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_ENCODER && reply.node == result->node
-                && mwd_motor_v2_35_read_encoder_reply_matches(&reply.as.read_encoder,
-                &wanted.raws_read_encoder_reply);
-        }
+            &raws->raws_read_encoder_reply, parameters);
         break;
     case 36u: /* request of write_encoder_offset_rom */
-        canwright_flash_read(&wanted.raws_write_encoder_offset_rom, raws_write_encoder_offset_rom, raws,
-            sizeof wanted.raws_write_encoder_offset_rom);
-        result->decoded = mwd_motor_v2_35_write_encoder_offset_rom_request_decode(&found.raws_write_encoder_offset_rom,
+        result->decoded = mwd_motor_v2_35_write_encoder_offset_rom_request_decode(&result->raws.raws_write_encoder_offset_rom,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_write_encoder_offset_rom_matches(&found.raws_write_encoder_offset_rom,
-                &wanted.raws_write_encoder_offset_rom);
-        }
-        if (mwd_motor_v2_35_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_write_encoder_offset_rom_request_encode(&result->written, node,
-            &wanted.raws_write_encoder_offset_rom, parameters);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM
-                && request.node == result->node
-                && mwd_motor_v2_35_write_encoder_offset_rom_matches(&request.as.write_encoder_offset_rom,
-                &wanted.raws_write_encoder_offset_rom);
-        }
+            &raws->raws_write_encoder_offset_rom, parameters);
         break;
     case 37u: /* reply of write_encoder_offset_rom */
-        canwright_flash_read(&wanted.raws_write_encoder_offset_rom, raws_write_encoder_offset_rom, raws,
-            sizeof wanted.raws_write_encoder_offset_rom);
-        result->decoded = mwd_motor_v2_35_write_encoder_offset_rom_reply_decode(&found.raws_write_encoder_offset_rom,
+        result->decoded = mwd_motor_v2_35_write_encoder_offset_rom_reply_decode(&result->raws.raws_write_encoder_offset_rom,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_write_encoder_offset_rom_matches(&found.raws_write_encoder_offset_rom,
-                &wanted.raws_write_encoder_offset_rom);
-        }
-        if (mwd_motor_v2_35_write_encoder_offset_rom_check(&field, &wanted.raws_write_encoder_offset_rom,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_write_encoder_offset_rom_reply_encode(&result->written, node,
-            &wanted.raws_write_encoder_offset_rom, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM
-                && reply.node == result->node
-                && mwd_motor_v2_35_write_encoder_offset_rom_matches(&reply.as.write_encoder_offset_rom,
-                &wanted.raws_write_encoder_offset_rom);
-        }
+            &raws->raws_write_encoder_offset_rom, parameters);
         break;
     case 38u: /* request of write_position_as_zero_rom */
         result->decoded = mwd_motor_v2_35_write_position_as_zero_rom_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_write_position_as_zero_rom_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM
-                && request.node == result->node;
-        }
         break;
     case 39u: /* reply of write_position_as_zero_rom */
-        canwright_flash_read(&wanted.raws_write_position_as_zero_rom_reply, raws_write_position_as_zero_rom_reply,
-            raws, sizeof wanted.raws_write_position_as_zero_rom_reply);
-        result->decoded = mwd_motor_v2_35_write_position_as_zero_rom_reply_decode(&found.raws_write_position_as_zero_rom_reply,
+        result->decoded = mwd_motor_v2_35_write_position_as_zero_rom_reply_decode(&result->raws.raws_write_position_as_zero_rom_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_write_position_as_zero_rom_reply_matches(&found.raws_write_position_as_zero_rom_reply,
-                &wanted.raws_write_position_as_zero_rom_reply);
-        }
-        if (mwd_motor_v2_35_write_position_as_zero_rom_reply_check(&field,
-            &wanted.raws_write_position_as_zero_rom_reply, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_write_position_as_zero_rom_reply_encode(&result->written, node,
-            &wanted.raws_write_position_as_zero_rom_reply, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM
-                && reply.node == result->node
-                && mwd_motor_v2_35_write_position_as_zero_rom_reply_matches(&reply.as.write_position_as_zero_rom,
-                &wanted.raws_write_position_as_zero_rom_reply);
-        }
+            &raws->raws_write_position_as_zero_rom_reply, parameters);
         break;
     case 40u: /* request of read_multi_turn_angle */
         result->decoded = mwd_motor_v2_35_read_multi_turn_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_read_multi_turn_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 41u: /* reply of read_multi_turn_angle */
-        canwright_flash_read(&wanted.raws_read_multi_turn_angle_reply, raws_read_multi_turn_angle_reply, raws,
-            sizeof wanted.raws_read_multi_turn_angle_reply);
-        result->decoded = mwd_motor_v2_35_read_multi_turn_angle_reply_decode(&found.raws_read_multi_turn_angle_reply,
+        result->decoded = mwd_motor_v2_35_read_multi_turn_angle_reply_decode(&result->raws.raws_read_multi_turn_angle_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_read_multi_turn_angle_reply_matches(&found.raws_read_multi_turn_angle_reply,
-                &wanted.raws_read_multi_turn_angle_reply);
-        }
-        if (mwd_motor_v2_35_read_multi_turn_angle_reply_check(&field,
-            &wanted.raws_read_multi_turn_angle_reply) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_read_multi_turn_angle_reply_encode(&result->written, node,
-            &wanted.raws_read_multi_turn_angle_reply);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_35_read_multi_turn_angle_reply_matches(&reply.as.read_multi_turn_angle,
-                &wanted.raws_read_multi_turn_angle_reply);
-        }
+            &raws->raws_read_multi_turn_angle_reply);
         break;
     case 42u: /* request of read_single_turn_angle */
         result->decoded = mwd_motor_v2_35_read_single_turn_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_read_single_turn_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 43u: /* reply of read_single_turn_angle */
-        canwright_flash_read(&wanted.raws_read_single_turn_angle_reply, raws_read_single_turn_angle_reply, raws,
-            sizeof wanted.raws_read_single_turn_angle_reply);
-        result->decoded = mwd_motor_v2_35_read_single_turn_angle_reply_decode(&found.raws_read_single_turn_angle_reply,
+        result->decoded = mwd_motor_v2_35_read_single_turn_angle_reply_decode(&result->raws.raws_read_single_turn_angle_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_read_single_turn_angle_reply_matches(&found.raws_read_single_turn_angle_reply,
-                &wanted.raws_read_single_turn_angle_reply);
-        }
-        if (mwd_motor_v2_35_read_single_turn_angle_reply_check(&field, &wanted.raws_read_single_turn_angle_reply,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_read_single_turn_angle_reply_encode(&result->written, node,
-            &wanted.raws_read_single_turn_angle_reply, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_35_read_single_turn_angle_reply_matches(&reply.as.read_single_turn_angle,
-                &wanted.raws_read_single_turn_angle_reply);
-        }
+            &raws->raws_read_single_turn_angle_reply, parameters);
         break;
     case 44u: /* request of clear_angle */
         result->decoded = mwd_motor_v2_35_clear_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_clear_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_CLEAR_ANGLE && request.node == result->node;
-        }
         break;
     case 45u: /* reply of clear_angle */
         result->decoded = mwd_motor_v2_35_clear_angle_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_clear_angle_reply_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_CLEAR_ANGLE && reply.node == result->node;
-        }
         break;
     case 46u: /* request of read_status_1 */
         result->decoded = mwd_motor_v2_35_read_status_1_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_read_status_1_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1
-                && request.node == result->node;
-        }
         break;
     case 47u: /* reply of read_status_1 */
-        canwright_flash_read(&wanted.raws_status_1, raws_status_1, raws, sizeof wanted.raws_status_1);
-        result->decoded = mwd_motor_v2_35_read_status_1_reply_decode(&found.raws_status_1, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
-        }
-        if (mwd_motor_v2_35_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
-        result->encoded = mwd_motor_v2_35_read_status_1_reply_encode(&result->written, node, &wanted.raws_status_1);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1 && reply.node == result->node
-                && mwd_motor_v2_35_status_1_matches(&reply.as.read_status_1, &wanted.raws_status_1);
-        }
+        result->decoded = mwd_motor_v2_35_read_status_1_reply_decode(&result->raws.raws_status_1, &result->node,
+            frame);
+        result->encoded = mwd_motor_v2_35_read_status_1_reply_encode(&result->written, node, &raws->raws_status_1);
         break;
     case 48u: /* request of clear_errors */
         result->decoded = mwd_motor_v2_35_clear_errors_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_clear_errors_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS
-                && request.node == result->node;
-        }
         break;
     case 49u: /* reply of clear_errors */
-        canwright_flash_read(&wanted.raws_status_1, raws_status_1, raws, sizeof wanted.raws_status_1);
-        result->decoded = mwd_motor_v2_35_clear_errors_reply_decode(&found.raws_status_1, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
-        }
-        if (mwd_motor_v2_35_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
-        result->encoded = mwd_motor_v2_35_clear_errors_reply_encode(&result->written, node, &wanted.raws_status_1);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS && reply.node == result->node
-                && mwd_motor_v2_35_status_1_matches(&reply.as.clear_errors, &wanted.raws_status_1);
-        }
+        result->decoded = mwd_motor_v2_35_clear_errors_reply_decode(&result->raws.raws_status_1, &result->node,
+            frame);
+        result->encoded = mwd_motor_v2_35_clear_errors_reply_encode(&result->written, node, &raws->raws_status_1);
         break;
     case 50u: /* request of read_status_2 */
         result->decoded = mwd_motor_v2_35_read_status_2_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_read_status_2_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2
-                && request.node == result->node;
-        }
         break;
     case 51u: /* reply of read_status_2 */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_35_read_status_2_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_35_motion_feedback_check(&field, &wanted.raws_motion_feedback, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_35_read_status_2_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_35_read_status_2_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2 && reply.node == result->node
-                && mwd_motor_v2_35_motion_feedback_matches(&reply.as.read_status_2, &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 52u: /* request of read_status_3 */
         result->decoded = mwd_motor_v2_35_read_status_3_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_35_read_status_3_request_encode(&result->written, node);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3
-                && request.node == result->node;
-        }
         break;
     case 53u: /* reply of read_status_3 */
-        canwright_flash_read(&wanted.raws_read_status_3_reply, raws_read_status_3_reply, raws,
-            sizeof wanted.raws_read_status_3_reply);
-        result->decoded = mwd_motor_v2_35_read_status_3_reply_decode(&found.raws_read_status_3_reply, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_read_status_3_reply_matches(&found.raws_read_status_3_reply,
-                &wanted.raws_read_status_3_reply);
-        }
+        result->decoded = mwd_motor_v2_35_read_status_3_reply_decode(&result->raws.raws_read_status_3_reply,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_35_read_status_3_reply_encode(&result->written, node,
-            &wanted.raws_read_status_3_reply);
-        if (mwd_motor_v2_35_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3 && reply.node == result->node
-                && mwd_motor_v2_35_read_status_3_reply_matches(&reply.as.read_status_3,
-                &wanted.raws_read_status_3_reply);
-        }
+            &raws->raws_read_status_3_reply);
         break;
     case 54u: /* request of broadcast_torque */
-        canwright_flash_read(&wanted.raws_broadcast_torque_request, raws_broadcast_torque_request, raws,
-            sizeof wanted.raws_broadcast_torque_request);
-        result->decoded = mwd_motor_v2_35_broadcast_torque_request_decode(&found.raws_broadcast_torque_request,
+        result->decoded = mwd_motor_v2_35_broadcast_torque_request_decode(&result->raws.raws_broadcast_torque_request,
             frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_35_broadcast_torque_request_matches(&found.raws_broadcast_torque_request,
-                &wanted.raws_broadcast_torque_request);
-        }
-        if (mwd_motor_v2_35_broadcast_torque_request_check(&field,
-            &wanted.raws_broadcast_torque_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_35_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_35_broadcast_torque_request_encode(&result->written,
-            &wanted.raws_broadcast_torque_request);
-        if (mwd_motor_v2_35_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE
-                && request.node == result->node
-                && mwd_motor_v2_35_broadcast_torque_request_matches(&request.as.broadcast_torque,
-                &wanted.raws_broadcast_torque_request);
-        }
+            &raws->raws_broadcast_torque_request);
         break;
     default:
+        result->decoded = CANWRIGHT_UNKNOWN_CODE;
+        result->encoded = CANWRIGHT_UNKNOWN_CODE;
         break;
     }
-    result->field = (uint16_t)field;
 }
 
 /** Runs the self-test; `result` describes the first case that failed. Returns the number of cases that failed. */
@@ -1412,1421 +916,785 @@ static inline uint16_t mwd_motor_v2_35_selftest(canwright_selftest_t *result)
         {MWD_MOTOR_V2_35_SERIES_UNKNOWN, MWD_MOTOR_V2_35_ENCODER_BITS_UNKNOWN, {6, 1u}},
         {MWD_MOTOR_V2_35_SERIES_MS, MWD_MOTOR_V2_35_ENCODER_BITS_UNKNOWN, {0, 0u}},
     };
-    static const canwright_golden_t frames[] CANWRIGHT_FLASH = {
-        /* 1: request of motor_off */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 2: request of motor_off */
-        {{0x160u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 3: request of motor_off */
-        {{0x141u, {0x80u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 4: reply of motor_off */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 1u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 5: reply of motor_off */
-        {{0x154u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 1u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 6: request of motor_on */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 7: request of motor_on */
-        {{0x160u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 8: request of motor_on */
-        {{0x141u, {0x88u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 9: reply of motor_on */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 3u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 10: reply of motor_on */
-        {{0x154u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 3u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 11: request of motor_stop */
-        {{0x141u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 12: request of motor_stop */
-        {{0x160u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 13: request of motor_stop */
-        {{0x141u, {0x81u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 14: reply of motor_stop */
-        {{0x141u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 5u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 15: reply of motor_stop */
-        {{0x154u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 5u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 16: request of motor_on */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 17: request of motor_stop */
-        {{0x141u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 18: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xC8u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 19: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 1u, 6u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 20: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x02u, 0x00u, 0x00u}}, 1u, 6u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 21: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xAEu, 0xFCu, 0x00u, 0x00u}}, 20u, 6u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 22: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 20u, 6u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 23: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 6u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 24: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 6u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 25: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x53u, 0x03u, 0x00u, 0x00u}}, 1u, 6u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 26: request of set_power */
-        {{0x141u, {0xA0u, 0x11u, 0x22u, 0x33u, 0x2Cu, 0x01u, 0x44u, 0x55u}}, 1u, 6u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 27: reply of set_power */
-        {{0x141u, {0xA0u, 0x19u, 0x52u, 0x03u, 0x98u, 0xFEu, 0x34u, 0x12u}}, 1u, 7u, 0u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 28: reply of set_power */
-        {{0x160u, {0xA0u, 0x80u, 0xAEu, 0xFCu, 0xFFu, 0x7Fu, 0xFFu, 0x7Fu}}, 32u, 7u, 1u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 29: reply of set_power */
-        {{0x141u, {0xA0u, 0x7Fu, 0xFFu, 0xFFu, 0x00u, 0x80u, 0xFFu, 0xFFu}}, 1u, 7u, 2u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 30: reply of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x3Fu}}, 1u, 7u, 3u, 3u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 31: reply of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 4u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 32: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 8u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 33: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 8u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 34: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 8u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 35: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x32u, 0x00u, 0x00u, 0x00u}}, 1u, 8u, 2u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 36: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xC4u, 0x09u, 0x00u, 0x00u}}, 1u, 8u, 3u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 37: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 8u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 38: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 8u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 39: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 8u, 4u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 40: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 8u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 41: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 8u, 5u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 42: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 8u, 5u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 43: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 8u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 44: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 8u, 6u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 45: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 8u, 6u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 46: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 8u, 7u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 47: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 8u, 7u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 48: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 8u, 7u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 49: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 8u, 8u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 50: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 8u, 8u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 51: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 8u, 8u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 52: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 8u, 9u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 53: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 8u, 9u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 54: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 8u, 9u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 55: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x08u, 0x00u, 0x00u}}, 1u, 8u, 10u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 56: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xF7u, 0x00u, 0x00u}}, 1u, 8u, 11u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 57: request of set_torque */
-        {{0x141u, {0xA1u, 0x01u, 0x02u, 0x03u, 0x39u, 0xFEu, 0x04u, 0x05u}}, 1u, 8u, 12u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 58: reply of set_torque */
-        {{0x141u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 9u, 5u, 7u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 59: reply of set_torque */
-        {{0x160u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 9u, 6u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 60: reply of set_torque */
-        {{0x141u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 9u, 5u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 61: reply of set_torque */
-        {{0x160u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 9u, 6u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 62: reply of set_torque */
-        {{0x141u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 9u, 5u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 63: reply of set_torque */
-        {{0x160u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 9u, 6u, 12u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 64: reply of set_torque */
-        {{0x141u, {0xA1u, 0x7Fu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu, 0xFFu, 0x7Fu}}, 1u, 9u, 7u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 65: reply of set_torque */
-        {{0x141u, {0xA1u, 0x80u, 0x01u, 0x00u, 0x00u, 0x80u, 0xFFu, 0xFFu}}, 1u, 9u, 8u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 66: reply of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 9u, 4u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 67: reply of set_torque */
-        {{0x141u, {0xA1u, 0x01u, 0xB8u, 0x0Bu, 0xFFu, 0xFFu, 0xFFu, 0x3Fu}}, 1u, 9u, 9u, 12u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 68: reply of set_torque */
-        {{0x141u, {0xA1u, 0x21u, 0xB3u, 0xFFu, 0x01u, 0x00u, 0x01u, 0x80u}}, 1u, 9u, 10u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 69: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 10u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 70: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x28u, 0x23u, 0x00u, 0x00u}}, 1u, 10u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 71: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x40u, 0x19u, 0x01u, 0x00u}}, 1u, 10u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 72: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x20u, 0x4Eu, 0x00u, 0x00u}}, 1u, 10u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 73: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 10u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 74: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 10u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 75: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 76: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xD8u, 0xDCu, 0xFFu, 0xFFu}}, 1u, 10u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 77: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xB4u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 78: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 10u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 79: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 10u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 80: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 10u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 81: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 10u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 82: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 10u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 83: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 20u, 10u, 14u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 84: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x39u, 0x00u, 0x00u, 0x00u}}, 20u, 10u, 15u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 85: request of set_speed */
-        {{0x141u, {0xA2u, 0x01u, 0x02u, 0x03u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 10u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 86: reply of set_speed */
-        {{0x141u, {0xA2u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 11u, 11u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 87: reply of set_speed */
-        {{0x142u, {0xA2u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 11u, 12u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 88: reply of set_speed */
-        {{0x154u, {0xA2u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 11u, 13u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 89: reply of set_speed */
-        {{0x160u, {0xA2u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 11u, 14u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 90: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 12u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 91: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x80u, 0xEEu, 0x36u, 0x00u}}, 1u, 12u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 92: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x2Au, 0x00u, 0x00u}}, 1u, 12u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 93: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 94: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x0Au, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 95: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 96: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 31u, 12u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 97: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 31u, 12u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 98: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 31u, 12u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 99: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 31u, 12u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 100: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x0Du, 0x0Cu, 0x0Bu, 0x0Au}}, 31u, 12u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 101: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 31u, 12u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 102: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 31u, 12u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 103: request of move_to_angle */
-        {{0x141u, {0xA3u, 0xFFu, 0xFFu, 0xFFu, 0x10u, 0x27u, 0x00u, 0x00u}}, 1u, 12u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 104: reply of move_to_angle */
-        {{0x141u, {0xA3u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 13u, 11u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 105: reply of move_to_angle */
-        {{0x142u, {0xA3u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 13u, 12u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 106: reply of move_to_angle */
-        {{0x154u, {0xA3u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 13u, 13u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 107: reply of move_to_angle */
-        {{0x160u, {0xA3u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 13u, 14u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 108: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xD0u, 0x02u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 14u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 109: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x78u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 14u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+    /* Of each message its command, the number of its layout, and whether it is a reply. */
+    static const canwright_golden_message_t messages[] CANWRIGHT_FLASH = {
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOTOR_OFF, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOTOR_ON, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOTOR_ON, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOTOR_STOP, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOTOR_STOP, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_SET_POWER, 1, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_SET_POWER, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_SET_TORQUE, 3, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_SET_TORQUE, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_SET_SPEED, 4, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_SET_SPEED, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE, 5, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED, 6, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOVE_TO_ANGLE_AT_SPEED, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE, 7, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED, 8, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_TURN_TO_ANGLE_AT_SPEED, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE, 9, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED, 10, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_MOVE_BY_ANGLE_AT_SPEED, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_PID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_PID, 11, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM, 11, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_WRITE_PID_RAM, 11, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM, 11, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_WRITE_PID_ROM, 11, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_ACCELERATION, 12, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_WRITE_ACCELERATION_RAM, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_ENCODER, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_ENCODER, 14, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM, 15, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_WRITE_ENCODER_OFFSET_ROM, 15, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_WRITE_POSITION_AS_ZERO_ROM, 16, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_MULTI_TURN_ANGLE, 17, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_SINGLE_TURN_ANGLE, 18, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_CLEAR_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_CLEAR_ANGLE, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_STATUS_1, 19, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_CLEAR_ERRORS, 19, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_STATUS_2, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_READ_STATUS_3, 20, true},
+        {(uint32_t)MWD_MOTOR_V2_35_COMMAND_BROADCAST_TORQUE, 21, false},
+    };
+    /* Id, data, node, message, raw integers, field, parameters, length, kind, status. */
+    static const canwright_case_t cases[] CANWRIGHT_FLASH = {
+        {{0x141u, {0x80000000u}}, 1u, 0, 0, 0, 0, 8, 3, 0}, /* 1: request of motor_off */
+        {{0x160u, {0x80000000u}}, 32u, 0, 0, 0, 0, 8, 3, 0}, /* 2: request of motor_off */
+        {{0x141u, {0x80010203u, 0x04050607u}}, 1u, 0, 0, 0, 0, 8, 1, 0}, /* 3: request of motor_off */
+        {{0x141u, {0x80000000u}}, 1u, 1, 0, 0, 0, 8, 3, 0}, /* 4: reply of motor_off */
+        {{0x154u, {0x80000000u}}, 20u, 1, 0, 0, 0, 8, 3, 0}, /* 5: reply of motor_off */
+        {{0x141u, {0x88000000u}}, 1u, 2, 0, 0, 0, 8, 3, 0}, /* 6: request of motor_on */
+        {{0x160u, {0x88000000u}}, 32u, 2, 0, 0, 0, 8, 3, 0}, /* 7: request of motor_on */
+        {{0x141u, {0x88010203u, 0x04050607u}}, 1u, 2, 0, 0, 0, 8, 1, 0}, /* 8: request of motor_on */
+        {{0x141u, {0x88000000u}}, 1u, 3, 0, 0, 0, 8, 3, 0}, /* 9: reply of motor_on */
+        {{0x154u, {0x88000000u}}, 20u, 3, 0, 0, 0, 8, 3, 0}, /* 10: reply of motor_on */
+        {{0x141u, {0x81000000u}}, 1u, 4, 0, 0, 0, 8, 3, 0}, /* 11: request of motor_stop */
+        {{0x160u, {0x81000000u}}, 32u, 4, 0, 0, 0, 8, 3, 0}, /* 12: request of motor_stop */
+        {{0x141u, {0x81010203u, 0x04050607u}}, 1u, 4, 0, 0, 0, 8, 1, 0}, /* 13: request of motor_stop */
+        {{0x141u, {0x81000000u}}, 1u, 5, 0, 0, 0, 8, 3, 0}, /* 14: reply of motor_stop */
+        {{0x154u, {0x81000000u}}, 20u, 5, 0, 0, 0, 8, 3, 0}, /* 15: reply of motor_stop */
+        {{0x141u, {0x88000000u}}, 1u, 2, 0, 0, 0, 8, 3, 0}, /* 16: request of motor_on */
+        {{0x141u, {0x81000000u}}, 1u, 4, 0, 0, 0, 8, 3, 0}, /* 17: request of motor_stop */
+        {{0x141u, {0xA0000000u, 0xC8000000u}}, 1u, 6, 0, 0, 0, 8, 3, 0}, /* 18: request of set_power */
+        {{0x141u, {0xA0000000u, 0x52030000u}}, 1u, 6, 1, 0, 0, 8, 3, 0}, /* 19: request of set_power */
+        {{0x141u, {0xA0000000u, 0x00020000u}}, 1u, 6, 2, 0, 0, 8, 3, 0}, /* 20: request of set_power */
+        {{0x154u, {0xA0000000u, 0xAEFC0000u}}, 20u, 6, 3, 0, 0, 8, 3, 0}, /* 21: request of set_power */
+        {{0x154u, {0xA0000000u, 0xFFFF0000u}}, 20u, 6, 4, 0, 0, 8, 3, 0}, /* 22: request of set_power */
+        {{0x154u, {0xA0000000u}}, 20u, 6, 5, 0, 0, 8, 3, 0}, /* 23: request of set_power */
+        {{0x154u, {0xA0000000u, 0x01000000u}}, 20u, 6, 6, 0, 0, 8, 3, 0}, /* 24: request of set_power */
+        {{0x141u, {0xA0000000u, 0x53030000u}}, 1u, 6, 7, 0, 0, 8, 1, 0}, /* 25: request of set_power */
+        {{0x141u, {0xA0112233u, 0x2C014455u}}, 1u, 6, 8, 0, 0, 8, 1, 0}, /* 26: request of set_power */
+        {{0x141u, {0xA0195203u, 0x98FE3412u}}, 1u, 7, 0, 0, 1, 8, 3, 0}, /* 27: reply of set_power */
+        {{0x160u, {0xA080AEFCu, 0xFF7FFF7Fu}}, 32u, 7, 1, 0, 1, 8, 3, 0}, /* 28: reply of set_power */
+        {{0x141u, {0xA07FFFFFu, 0x0080FFFFu}}, 1u, 7, 2, 0, 2, 8, 3, 0}, /* 29: reply of set_power */
+        {{0x141u, {0xA0000100u, 0xFFFFFF3Fu}}, 1u, 7, 3, 0, 3, 8, 3, 0}, /* 30: reply of set_power */
+        {{0x141u, {0xA0000000u}}, 1u, 7, 4, 0, 1, 8, 3, 0}, /* 31: reply of set_power */
+        {{0x141u, {0xA1000000u, 0x64000000u}}, 1u, 8, 0, 0, 4, 8, 3, 0}, /* 32: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x64000000u}}, 1u, 8, 0, 0, 5, 8, 3, 0}, /* 33: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xD0070000u}}, 1u, 8, 1, 0, 4, 8, 3, 0}, /* 34: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x32000000u}}, 1u, 8, 2, 0, 5, 8, 3, 0}, /* 35: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xC4090000u}}, 1u, 8, 3, 0, 4, 8, 1, 0}, /* 36: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 8, 4, 0, 4, 8, 3, 0}, /* 37: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 8, 4, 0, 5, 8, 3, 0}, /* 38: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 8, 4, 0, 6, 8, 3, 0}, /* 39: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 8, 5, 0, 4, 8, 3, 0}, /* 40: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 8, 5, 0, 5, 8, 3, 0}, /* 41: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 8, 5, 0, 6, 8, 3, 0}, /* 42: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 8, 6, 0, 4, 8, 3, 0}, /* 43: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 8, 6, 0, 5, 8, 3, 0}, /* 44: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 8, 6, 0, 6, 8, 3, 0}, /* 45: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 8, 7, 0, 4, 8, 3, 0}, /* 46: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 8, 7, 0, 5, 8, 3, 0}, /* 47: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 8, 7, 0, 6, 8, 3, 0}, /* 48: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 8, 8, 0, 4, 8, 3, 0}, /* 49: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 8, 8, 0, 5, 8, 3, 0}, /* 50: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 8, 8, 0, 6, 8, 3, 0}, /* 51: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 8, 9, 0, 4, 8, 3, 0}, /* 52: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 8, 9, 0, 5, 8, 3, 0}, /* 53: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 8, 9, 0, 6, 8, 3, 0}, /* 54: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x01080000u}}, 1u, 8, 10, 0, 4, 8, 1, 0}, /* 55: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xFFF70000u}}, 1u, 8, 11, 0, 5, 8, 1, 0}, /* 56: request of set_torque */
+        {{0x141u, {0xA1010203u, 0x39FE0405u}}, 1u, 8, 12, 0, 4, 8, 1, 0}, /* 57: request of set_torque */
+        {{0x141u, {0xA1320008u, 0xF401E803u}}, 1u, 9, 5, 0, 7, 8, 3, 0}, /* 58: reply of set_torque */
+        {{0x160u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 9, 6, 0, 8, 8, 3, 0}, /* 59: reply of set_torque */
+        {{0x141u, {0xA1320008u, 0xF401E803u}}, 1u, 9, 5, 0, 9, 8, 3, 0}, /* 60: reply of set_torque */
+        {{0x160u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 9, 6, 0, 10, 8, 3, 0}, /* 61: reply of set_torque */
+        {{0x141u, {0xA1320008u, 0xF401E803u}}, 1u, 9, 5, 0, 11, 8, 3, 0}, /* 62: reply of set_torque */
+        {{0x160u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 9, 6, 0, 12, 8, 3, 0}, /* 63: reply of set_torque */
+        {{0x141u, {0xA17FFFFFu, 0xFF7FFF7Fu}}, 1u, 9, 7, 0, 13, 8, 3, 0}, /* 64: reply of set_torque */
+        {{0x141u, {0xA1800100u, 0x0080FFFFu}}, 1u, 9, 8, 0, 11, 8, 3, 0}, /* 65: reply of set_torque */
+        {{0x141u, {0xA1000000u}}, 1u, 9, 4, 0, 8, 8, 3, 0}, /* 66: reply of set_torque */
+        {{0x141u, {0xA101B80Bu, 0xFFFFFF3Fu}}, 1u, 9, 9, 0, 12, 8, 1, 0}, /* 67: reply of set_torque */
+        {{0x141u, {0xA121B3FFu, 0x01000180u}}, 1u, 9, 10, 0, 4, 8, 3, 0}, /* 68: reply of set_torque */
+        {{0x141u, {0xA2000000u, 0xA08C0000u}}, 1u, 10, 0, 0, 0, 8, 3, 0}, /* 69: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x28230000u}}, 1u, 10, 1, 0, 0, 8, 3, 0}, /* 70: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x40190100u}}, 1u, 10, 2, 0, 0, 8, 3, 0}, /* 71: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x204E0000u}}, 1u, 10, 3, 0, 0, 8, 3, 0}, /* 72: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x50460000u}}, 1u, 10, 4, 0, 0, 8, 3, 0}, /* 73: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x94110000u}}, 1u, 10, 5, 0, 0, 8, 3, 0}, /* 74: request of set_speed */
+        {{0x141u, {0xA2000000u}}, 1u, 10, 6, 0, 0, 8, 3, 0}, /* 75: request of set_speed */
+        {{0x141u, {0xA2000000u, 0xD8DCFFFFu}}, 1u, 10, 7, 0, 0, 8, 3, 0}, /* 76: request of set_speed */
+        {{0x141u, {0xA2000000u, 0xB4000000u}}, 1u, 10, 8, 0, 0, 8, 3, 0}, /* 77: request of set_speed */
+        {{0x154u, {0xA2000000u, 0xFFFFFF7Fu}}, 20u, 10, 9, 0, 0, 8, 3, 0}, /* 78: request of set_speed */
+        {{0x154u, {0xA2000000u, 0x00000080u}}, 20u, 10, 10, 0, 0, 8, 3, 0}, /* 79: request of set_speed */
+        {{0x154u, {0xA2000000u, 0xFFFFFFFFu}}, 20u, 10, 11, 0, 0, 8, 3, 0}, /* 80: request of set_speed */
+        {{0x154u, {0xA2000000u, 0x01000000u}}, 20u, 10, 12, 0, 0, 8, 3, 0}, /* 81: request of set_speed */
+        {{0x154u, {0xA2000000u, 0x04030201u}}, 20u, 10, 13, 0, 0, 8, 3, 0}, /* 82: request of set_speed */
+        {{0x154u, {0xA2000000u, 0x1D000000u}}, 20u, 10, 14, 0, 0, 8, 3, 0}, /* 83: request of set_speed */
+        {{0x154u, {0xA2000000u, 0x39000000u}}, 20u, 10, 15, 0, 0, 8, 3, 0}, /* 84: request of set_speed */
+        {{0x141u, {0xA2010203u, 0x04030201u}}, 1u, 10, 13, 0, 0, 8, 1, 0}, /* 85: request of set_speed */
+        {{0x141u, {0xA2280903u, 0x18FC401Fu}}, 1u, 11, 11, 0, 1, 8, 3, 0}, /* 86: reply of set_speed */
+        {{0x142u, {0xA229F006u, 0x17FC411Fu}}, 2u, 11, 12, 0, 8, 8, 3, 0}, /* 87: reply of set_speed */
+        {{0x154u, {0xA22AEF06u, 0x16FC421Fu}}, 20u, 11, 13, 0, 9, 8, 3, 0}, /* 88: reply of set_speed */
+        {{0x160u, {0xA22BEE06u, 0x15FC431Fu}}, 32u, 11, 14, 0, 11, 8, 3, 0}, /* 89: reply of set_speed */
+        {{0x141u, {0xA3000000u, 0xA08C0000u}}, 1u, 12, 0, 0, 0, 8, 3, 0}, /* 90: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x80EE3600u}}, 1u, 12, 1, 0, 0, 8, 3, 0}, /* 91: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0xF82A0000u}}, 1u, 12, 2, 0, 0, 8, 3, 0}, /* 92: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x64000000u}}, 1u, 12, 3, 0, 0, 8, 3, 0}, /* 93: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x0A000000u}}, 1u, 12, 4, 0, 0, 8, 3, 0}, /* 94: request of move_to_angle */
+        {{0x141u, {0xA3000000u}}, 1u, 12, 5, 0, 0, 8, 3, 0}, /* 95: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xFFFFFF7Fu}}, 31u, 12, 6, 0, 0, 8, 3, 0}, /* 96: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x00000080u}}, 31u, 12, 7, 0, 0, 8, 3, 0}, /* 97: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xFFFFFFFFu}}, 31u, 12, 8, 0, 0, 8, 3, 0}, /* 98: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x01000000u}}, 31u, 12, 9, 0, 0, 8, 3, 0}, /* 99: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x0D0C0B0Au}}, 31u, 12, 10, 0, 0, 8, 3, 0}, /* 100: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xB0B9FFFFu}}, 31u, 12, 11, 0, 0, 8, 3, 0}, /* 101: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x1D000000u}}, 31u, 12, 12, 0, 0, 8, 3, 0}, /* 102: request of move_to_angle */
+        {{0x141u, {0xA3FFFFFFu, 0x10270000u}}, 1u, 12, 13, 0, 0, 8, 1, 0}, /* 103: request of move_to_angle */
+        {{0x141u, {0xA3280903u, 0x18FC401Fu}}, 1u, 13, 11, 0, 1, 8, 3, 0}, /* 104: reply of move_to_angle */
+        {{0x142u, {0xA329F006u, 0x17FC411Fu}}, 2u, 13, 12, 0, 8, 8, 3, 0}, /* 105: reply of move_to_angle */
+        {{0x154u, {0xA32AEF06u, 0x16FC421Fu}}, 20u, 13, 13, 0, 9, 8, 3, 0}, /* 106: reply of move_to_angle */
+        {{0x160u, {0xA32BEE06u, 0x15FC431Fu}}, 32u, 13, 14, 0, 11, 8, 3, 0}, /* 107: reply of move_to_angle */
+        {{0x141u, {0xA400D002u, 0xA08C0000u}}, 1u, 14, 0, 0, 0, 8, 3, 0}, /* 108: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4007800u, 0x50460000u}}, 1u, 14, 1, 0, 0, 8, 3, 0}, /* 109: request of move_to_angle_at_speed */
         /* 110: request of move_to_angle_at_speed */
-        {{0x154u, {0xA4u, 0x00u, 0x78u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 20u, 14u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 111: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 14u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 112: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x28u, 0x23u, 0x00u, 0x00u}}, 1u, 14u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 113: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x10u, 0x27u, 0x00u, 0x00u}}, 1u, 14u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 114: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xD0u, 0x02u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 14u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 115: request of move_to_angle_at_speed */
-        {{0x142u, {0xA4u, 0x00u, 0x78u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 2u, 14u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 116: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 14u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 117: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xF4u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 14u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xA4007800u, 0xB0B9FFFFu}}, 20u, 14, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA4002C01u, 0x50460000u}}, 1u, 14, 3, 0, 0, 8, 3, 0}, /* 111: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4002C01u, 0x28230000u}}, 1u, 14, 4, 0, 0, 8, 3, 0}, /* 112: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4002C01u, 0x10270000u}}, 1u, 14, 5, 0, 0, 8, 3, 0}, /* 113: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400D002u, 0x94110000u}}, 1u, 14, 6, 0, 0, 8, 3, 0}, /* 114: request of move_to_angle_at_speed */
+        {{0x142u, {0xA4007800u, 0xB0B9FFFFu}}, 2u, 14, 2, 0, 0, 8, 3, 0}, /* 115: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400F401u, 0xA08C0000u}}, 1u, 14, 7, 0, 0, 8, 3, 0}, /* 116: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400F401u}}, 1u, 14, 8, 0, 0, 8, 3, 0}, /* 117: request of move_to_angle_at_speed */
         /* 118: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 14u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA400FFFFu, 0xFFFFFF7Fu}}, 32u, 14, 9, 0, 0, 8, 3, 0},
         /* 119: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 14u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000000u, 0x00000080u}}, 32u, 14, 10, 0, 0, 8, 3, 0},
         /* 120: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 14u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000100u, 0xFFFFFFFFu}}, 32u, 14, 11, 0, 0, 8, 3, 0},
         /* 121: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x03u}}, 32u, 14u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 122: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0xFFu, 0x2Cu, 0x01u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 14u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 123: reply of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 15u, 11u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 124: reply of move_to_angle_at_speed */
-        {{0x142u, {0xA4u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 15u, 12u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 125: reply of move_to_angle_at_speed */
-        {{0x154u, {0xA4u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 15u, 13u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000201u, 0x06050403u}}, 32u, 14, 12, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA4FF2C01u, 0x50460000u}}, 1u, 14, 3, 0, 0, 8, 1, 0}, /* 122: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4280903u, 0x18FC401Fu}}, 1u, 15, 11, 0, 1, 8, 3, 0}, /* 123: reply of move_to_angle_at_speed */
+        {{0x142u, {0xA429F006u, 0x17FC411Fu}}, 2u, 15, 12, 0, 8, 8, 3, 0}, /* 124: reply of move_to_angle_at_speed */
+        {{0x154u, {0xA42AEF06u, 0x16FC421Fu}}, 20u, 15, 13, 0, 9, 8, 3, 0}, /* 125: reply of move_to_angle_at_speed */
         /* 126: reply of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 15u, 14u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 127: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 16u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 128: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 16u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 129: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x0Cu, 0x7Bu, 0x00u, 0x00u}}, 1u, 16u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 130: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x78u, 0x69u, 0x00u, 0x00u}}, 1u, 16u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 131: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 16u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 132: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x78u, 0x69u, 0x00u, 0x00u}}, 1u, 16u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 133: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0xE4u, 0x57u, 0x00u, 0x00u}}, 1u, 16u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 134: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 16u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 135: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 16u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 136: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 16u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 137: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x81u}}, 20u, 16u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 138: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x02u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 16u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 139: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0xFEu, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 16u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 140: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0xAAu, 0xBBu, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 16u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 141: reply of turn_to_angle */
-        {{0x141u, {0xA5u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 17u, 11u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 142: reply of turn_to_angle */
-        {{0x142u, {0xA5u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 17u, 12u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 143: reply of turn_to_angle */
-        {{0x154u, {0xA5u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 17u, 13u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 144: reply of turn_to_angle */
-        {{0x160u, {0xA5u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 17u, 14u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 145: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x00u, 0xD0u, 0x02u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 146: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 18u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 147: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x01u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 18u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA42BEE06u, 0x15FC431Fu}}, 32u, 15, 14, 0, 11, 8, 3, 0},
+        {{0x141u, {0xA5000000u, 0x50460000u}}, 1u, 16, 0, 0, 0, 8, 3, 0}, /* 127: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x9F8C0000u}}, 1u, 16, 1, 0, 0, 8, 3, 0}, /* 128: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x0C7B0000u}}, 1u, 16, 2, 0, 0, 8, 3, 0}, /* 129: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x78690000u}}, 1u, 16, 3, 0, 0, 8, 3, 0}, /* 130: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0x9F8C0000u}}, 1u, 16, 4, 0, 0, 8, 3, 0}, /* 131: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0x78690000u}}, 1u, 16, 5, 0, 0, 8, 3, 0}, /* 132: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0xE4570000u}}, 1u, 16, 6, 0, 0, 8, 3, 0}, /* 133: request of turn_to_angle */
+        {{0x154u, {0xA5000000u, 0xFFFFFFFFu}}, 20u, 16, 7, 0, 0, 8, 3, 0}, /* 134: request of turn_to_angle */
+        {{0x154u, {0xA5010000u}}, 20u, 16, 8, 0, 0, 8, 3, 0}, /* 135: request of turn_to_angle */
+        {{0x154u, {0xA5000000u, 0x01000000u}}, 20u, 16, 9, 0, 0, 8, 3, 0}, /* 136: request of turn_to_angle */
+        {{0x154u, {0xA5010000u, 0x04030281u}}, 20u, 16, 10, 0, 0, 8, 3, 0}, /* 137: request of turn_to_angle */
+        {{0x141u, {0xA5020000u, 0x50460000u}}, 1u, 16, 11, 0, 0, 8, 1, 0}, /* 138: request of turn_to_angle */
+        {{0x141u, {0xA5FE0000u, 0x50460000u}}, 1u, 16, 12, 0, 0, 8, 1, 0}, /* 139: request of turn_to_angle */
+        {{0x141u, {0xA501AABBu, 0x50460000u}}, 1u, 16, 13, 0, 0, 8, 1, 0}, /* 140: request of turn_to_angle */
+        {{0x141u, {0xA5280903u, 0x18FC401Fu}}, 1u, 17, 11, 0, 1, 8, 3, 0}, /* 141: reply of turn_to_angle */
+        {{0x142u, {0xA529F006u, 0x17FC411Fu}}, 2u, 17, 12, 0, 8, 8, 3, 0}, /* 142: reply of turn_to_angle */
+        {{0x154u, {0xA52AEF06u, 0x16FC421Fu}}, 20u, 17, 13, 0, 9, 8, 3, 0}, /* 143: reply of turn_to_angle */
+        {{0x160u, {0xA52BEE06u, 0x15FC431Fu}}, 32u, 17, 14, 0, 11, 8, 3, 0}, /* 144: reply of turn_to_angle */
+        {{0x141u, {0xA600D002u, 0x50460000u}}, 1u, 18, 0, 0, 0, 8, 3, 0}, /* 145: request of turn_to_angle_at_speed */
+        {{0x141u, {0xA600F401u, 0xA08C0000u}}, 1u, 18, 1, 0, 0, 8, 3, 0}, /* 146: request of turn_to_angle_at_speed */
+        {{0x141u, {0xA601F401u, 0xA08C0000u}}, 1u, 18, 2, 0, 0, 8, 3, 0}, /* 147: request of turn_to_angle_at_speed */
         /* 148: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 18u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 149: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 18u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA600FFFFu, 0xFFFFFFFFu}}, 32u, 18, 3, 0, 0, 8, 3, 0},
+        {{0x160u, {0xA6010000u}}, 32u, 18, 4, 0, 0, 8, 3, 0}, /* 149: request of turn_to_angle_at_speed */
         /* 150: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x00u, 0x01u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 18u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA6000100u, 0x01000000u}}, 32u, 18, 5, 0, 0, 8, 3, 0},
         /* 151: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x01u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x83u}}, 32u, 18u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 152: reply of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 19u, 11u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 153: reply of turn_to_angle_at_speed */
-        {{0x142u, {0xA6u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 19u, 12u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 154: reply of turn_to_angle_at_speed */
-        {{0x154u, {0xA6u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 19u, 13u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA6010201u, 0x06050483u}}, 32u, 18, 6, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA6280903u, 0x18FC401Fu}}, 1u, 19, 11, 0, 1, 8, 3, 0}, /* 152: reply of turn_to_angle_at_speed */
+        {{0x142u, {0xA629F006u, 0x17FC411Fu}}, 2u, 19, 12, 0, 8, 8, 3, 0}, /* 153: reply of turn_to_angle_at_speed */
+        {{0x154u, {0xA62AEF06u, 0x16FC421Fu}}, 20u, 19, 13, 0, 9, 8, 3, 0}, /* 154: reply of turn_to_angle_at_speed */
         /* 155: reply of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 19u, 14u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 156: reply of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 19u, 15u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 157: request of move_by_angle */
-        {{0x141u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 20u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 158: request of move_by_angle */
-        {{0x141u, {0xA7u, 0x00u, 0xD0u, 0x02u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 20u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 159: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 3u, 20u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 160: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 3u, 20u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 161: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 3u, 20u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 162: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 3u, 20u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 163: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 3u, 20u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 164: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 3u, 20u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 165: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x0Du, 0x0Cu, 0x0Bu, 0x0Au}}, 3u, 20u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 166: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x48u, 0xF4u, 0xFFu, 0xFFu}}, 3u, 20u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 167: reply of move_by_angle */
-        {{0x141u, {0xA7u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 21u, 11u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 168: reply of move_by_angle */
-        {{0x142u, {0xA7u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 21u, 12u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 169: reply of move_by_angle */
-        {{0x154u, {0xA7u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 21u, 13u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 170: reply of move_by_angle */
-        {{0x160u, {0xA7u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 21u, 14u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 171: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xD0u, 0x02u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 1u, 22u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 172: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xD0u, 0x02u, 0x48u, 0xF4u, 0xFFu, 0xFFu}}, 1u, 22u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 173: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 22u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 174: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xF4u, 0x01u, 0x60u, 0x73u, 0xFFu, 0xFFu}}, 1u, 22u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA62BEE06u, 0x15FC431Fu}}, 32u, 19, 14, 0, 11, 8, 3, 0},
+        {{0x141u, {0xA6326400u, 0xF401E803u}}, 1u, 19, 15, 0, 11, 8, 3, 0}, /* 156: reply of turn_to_angle_at_speed */
+        {{0x141u, {0xA7000000u, 0x94110000u}}, 1u, 20, 0, 0, 0, 8, 3, 0}, /* 157: request of move_by_angle */
+        {{0x141u, {0xA700D002u, 0x94110000u}}, 1u, 20, 0, 0, 0, 8, 1, 0}, /* 158: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x94110000u}}, 3u, 20, 0, 0, 0, 8, 3, 0}, /* 159: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0xFFFFFF7Fu}}, 3u, 20, 1, 0, 0, 8, 3, 0}, /* 160: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x00000080u}}, 3u, 20, 2, 0, 0, 8, 3, 0}, /* 161: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0xFFFFFFFFu}}, 3u, 20, 3, 0, 0, 8, 3, 0}, /* 162: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x01000000u}}, 3u, 20, 4, 0, 0, 8, 3, 0}, /* 163: request of move_by_angle */
+        {{0x143u, {0xA7000000u}}, 3u, 20, 5, 0, 0, 8, 3, 0}, /* 164: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x0D0C0B0Au}}, 3u, 20, 6, 0, 0, 8, 3, 0}, /* 165: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x48F4FFFFu}}, 3u, 20, 7, 0, 0, 8, 3, 0}, /* 166: request of move_by_angle */
+        {{0x141u, {0xA7280903u, 0x18FC401Fu}}, 1u, 21, 11, 0, 1, 8, 3, 0}, /* 167: reply of move_by_angle */
+        {{0x142u, {0xA729F006u, 0x17FC411Fu}}, 2u, 21, 12, 0, 8, 8, 3, 0}, /* 168: reply of move_by_angle */
+        {{0x154u, {0xA72AEF06u, 0x16FC421Fu}}, 20u, 21, 13, 0, 9, 8, 3, 0}, /* 169: reply of move_by_angle */
+        {{0x160u, {0xA72BEE06u, 0x15FC431Fu}}, 32u, 21, 14, 0, 11, 8, 3, 0}, /* 170: reply of move_by_angle */
+        {{0x141u, {0xA800D002u, 0xB80B0000u}}, 1u, 22, 0, 0, 0, 8, 3, 0}, /* 171: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800D002u, 0x48F4FFFFu}}, 1u, 22, 1, 0, 0, 8, 3, 0}, /* 172: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800F401u, 0xA08C0000u}}, 1u, 22, 2, 0, 0, 8, 3, 0}, /* 173: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800F401u, 0x6073FFFFu}}, 1u, 22, 3, 0, 0, 8, 3, 0}, /* 174: request of move_by_angle_at_speed */
         /* 175: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 22u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA800FFFFu, 0xFFFFFF7Fu}}, 32u, 22, 4, 0, 0, 8, 3, 0},
         /* 176: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 22u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000000u, 0x00000080u}}, 32u, 22, 5, 0, 0, 8, 3, 0},
         /* 177: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 22u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000100u, 0xFFFFFFFFu}}, 32u, 22, 6, 0, 0, 8, 3, 0},
         /* 178: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x03u}}, 32u, 22u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 179: reply of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 23u, 11u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 180: reply of move_by_angle_at_speed */
-        {{0x142u, {0xA8u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 23u, 12u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 181: reply of move_by_angle_at_speed */
-        {{0x154u, {0xA8u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 23u, 13u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000201u, 0x06050403u}}, 32u, 22, 7, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA8280903u, 0x18FC401Fu}}, 1u, 23, 11, 0, 1, 8, 3, 0}, /* 179: reply of move_by_angle_at_speed */
+        {{0x142u, {0xA829F006u, 0x17FC411Fu}}, 2u, 23, 12, 0, 8, 8, 3, 0}, /* 180: reply of move_by_angle_at_speed */
+        {{0x154u, {0xA82AEF06u, 0x16FC421Fu}}, 20u, 23, 13, 0, 9, 8, 3, 0}, /* 181: reply of move_by_angle_at_speed */
         /* 182: reply of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 23u, 14u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 183: reply of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0x2Du, 0x00u}}, 1u, 23u, 16u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 184: request of read_pid */
-        {{0x141u, {0x30u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 24u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 185: request of read_pid */
-        {{0x160u, {0x30u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 24u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 186: request of read_pid */
-        {{0x141u, {0x30u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 24u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 187: reply of read_pid */
-        {{0x141u, {0x30u, 0x00u, 0x64u, 0x65u, 0x32u, 0x28u, 0x33u, 0x34u}}, 1u, 25u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 188: reply of read_pid */
-        {{0x160u, {0x30u, 0x00u, 0x00u, 0xFFu, 0x01u, 0xFEu, 0x02u, 0xFDu}}, 32u, 25u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 189: request of write_pid_ram */
-        {{0x141u, {0x31u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, 1u, 26u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 190: request of write_pid_ram */
-        {{0x154u, {0x31u, 0x00u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 20u, 26u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 191: request of write_pid_ram */
-        {{0x141u, {0x31u, 0x00u, 0xFFu, 0x00u, 0xFEu, 0x01u, 0xFDu, 0x02u}}, 1u, 26u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 192: reply of write_pid_ram */
-        {{0x141u, {0x31u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, 1u, 27u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 193: reply of write_pid_ram */
-        {{0x154u, {0x31u, 0x00u, 0x06u, 0x05u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 27u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 194: reply of write_pid_rom */
-        {{0x141u, {0x32u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, 1u, 28u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 195: request of write_pid_rom */
-        {{0x141u, {0x32u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, 1u, 29u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 196: request of write_pid_rom */
-        {{0x160u, {0x32u, 0x00u, 0xFFu, 0x00u, 0xFEu, 0x01u, 0xFDu, 0x02u}}, 32u, 29u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 197: reply of write_pid_rom */
-        {{0x141u, {0x32u, 0x00u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 28u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 198: request of read_acceleration */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 199: request of read_acceleration */
-        {{0x160u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 200: request of read_acceleration */
-        {{0x141u, {0x33u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 201: reply of read_acceleration */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 1u, 31u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 202: reply of read_acceleration */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 1u, 31u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 203: reply of read_acceleration */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 31u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 204: reply of read_acceleration */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 31u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 205: reply of read_acceleration */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 31u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 206: reply of read_acceleration */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 31u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 207: reply of read_acceleration */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 31u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 208: request of write_acceleration_ram */
-        {{0x141u, {0x34u, 0x00u, 0x00u, 0x00u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 1u, 32u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA82BEE06u, 0x15FC431Fu}}, 32u, 23, 14, 0, 11, 8, 3, 0},
+        {{0x141u, {0xA8326400u, 0xF4012D00u}}, 1u, 23, 16, 0, 11, 8, 3, 0}, /* 183: reply of move_by_angle_at_speed */
+        {{0x141u, {0x30000000u}}, 1u, 24, 0, 0, 0, 8, 3, 0}, /* 184: request of read_pid */
+        {{0x160u, {0x30000000u}}, 32u, 24, 0, 0, 0, 8, 3, 0}, /* 185: request of read_pid */
+        {{0x141u, {0x30010203u, 0x04050607u}}, 1u, 24, 0, 0, 0, 8, 1, 0}, /* 186: request of read_pid */
+        {{0x141u, {0x30006465u, 0x32283334u}}, 1u, 25, 0, 0, 0, 8, 3, 0}, /* 187: reply of read_pid */
+        {{0x160u, {0x300000FFu, 0x01FE02FDu}}, 32u, 25, 1, 0, 0, 8, 3, 0}, /* 188: reply of read_pid */
+        {{0x141u, {0x31006464u, 0x32283232u}}, 1u, 26, 2, 0, 0, 8, 3, 0}, /* 189: request of write_pid_ram */
+        {{0x154u, {0x31000102u, 0x03040506u}}, 20u, 26, 3, 0, 0, 8, 3, 0}, /* 190: request of write_pid_ram */
+        {{0x141u, {0x3100FF00u, 0xFE01FD02u}}, 1u, 26, 4, 0, 0, 8, 3, 0}, /* 191: request of write_pid_ram */
+        {{0x141u, {0x31006464u, 0x32283232u}}, 1u, 27, 2, 0, 0, 8, 3, 0}, /* 192: reply of write_pid_ram */
+        {{0x154u, {0x31000605u, 0x04030201u}}, 20u, 27, 5, 0, 0, 8, 3, 0}, /* 193: reply of write_pid_ram */
+        {{0x141u, {0x32006464u, 0x32283232u}}, 1u, 28, 2, 0, 0, 8, 3, 0}, /* 194: reply of write_pid_rom */
+        {{0x141u, {0x32006464u, 0x32283232u}}, 1u, 29, 2, 0, 0, 8, 3, 0}, /* 195: request of write_pid_rom */
+        {{0x160u, {0x3200FF00u, 0xFE01FD02u}}, 32u, 29, 4, 0, 0, 8, 3, 0}, /* 196: request of write_pid_rom */
+        {{0x141u, {0x32000102u, 0x03040506u}}, 1u, 28, 3, 0, 0, 8, 3, 0}, /* 197: reply of write_pid_rom */
+        {{0x141u, {0x33000000u}}, 1u, 30, 0, 0, 0, 8, 3, 0}, /* 198: request of read_acceleration */
+        {{0x160u, {0x33000000u}}, 32u, 30, 0, 0, 0, 8, 3, 0}, /* 199: request of read_acceleration */
+        {{0x141u, {0x33010203u, 0x04050607u}}, 1u, 30, 0, 0, 0, 8, 1, 0}, /* 200: request of read_acceleration */
+        {{0x141u, {0x33000000u, 0xB80B0000u}}, 1u, 31, 0, 0, 0, 8, 3, 0}, /* 201: reply of read_acceleration */
+        {{0x141u, {0x33000000u, 0xFFFFFF7Fu}}, 1u, 31, 1, 0, 0, 8, 3, 0}, /* 202: reply of read_acceleration */
+        {{0x141u, {0x33000000u, 0x00000080u}}, 1u, 31, 2, 0, 0, 8, 3, 0}, /* 203: reply of read_acceleration */
+        {{0x141u, {0x33000000u, 0xFFFFFFFFu}}, 1u, 31, 3, 0, 0, 8, 3, 0}, /* 204: reply of read_acceleration */
+        {{0x141u, {0x33000000u}}, 1u, 31, 4, 0, 0, 8, 3, 0}, /* 205: reply of read_acceleration */
+        {{0x141u, {0x33000000u, 0x01000000u}}, 1u, 31, 5, 0, 0, 8, 3, 0}, /* 206: reply of read_acceleration */
+        {{0x141u, {0x33000000u, 0x04030201u}}, 1u, 31, 6, 0, 0, 8, 3, 0}, /* 207: reply of read_acceleration */
+        {{0x141u, {0x34000000u, 0xB80B0000u}}, 1u, 32, 0, 0, 0, 8, 3, 0}, /* 208: request of write_acceleration_ram */
         /* 209: request of write_acceleration_ram */
-        {{0x154u, {0x34u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 32u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x34000000u, 0xFFFFFF7Fu}}, 20u, 32, 1, 0, 0, 8, 3, 0},
         /* 210: request of write_acceleration_ram */
-        {{0x154u, {0x34u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 32u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x34000000u, 0x00000080u}}, 20u, 32, 2, 0, 0, 8, 3, 0},
         /* 211: request of write_acceleration_ram */
-        {{0x154u, {0x34u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 32u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 212: request of write_acceleration_ram */
-        {{0x154u, {0x34u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 32u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x34000000u, 0xFFFFFFFFu}}, 20u, 32, 3, 0, 0, 8, 3, 0},
+        {{0x154u, {0x34000000u}}, 20u, 32, 4, 0, 0, 8, 3, 0}, /* 212: request of write_acceleration_ram */
         /* 213: request of write_acceleration_ram */
-        {{0x154u, {0x34u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 32u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x34000000u, 0x01000000u}}, 20u, 32, 5, 0, 0, 8, 3, 0},
         /* 214: request of write_acceleration_ram */
-        {{0x154u, {0x34u, 0x00u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 32u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 215: reply of write_acceleration_ram */
-        {{0x141u, {0x34u, 0x00u, 0x00u, 0x00u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 1u, 33u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 216: reply of write_acceleration_ram */
-        {{0x141u, {0x34u, 0x00u, 0x00u, 0x00u, 0xFCu, 0xFCu, 0xFDu, 0xFEu}}, 1u, 33u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 217: request of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 34u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 218: request of read_encoder */
-        {{0x160u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 34u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 219: request of read_encoder */
-        {{0x141u, {0x90u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 34u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 220: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x02u, 0x01u, 0x04u, 0x03u, 0x02u, 0x02u}}, 1u, 35u, 0u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 221: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0xFFu, 0x3Fu, 0x00u, 0x00u, 0x01u, 0x00u}}, 1u, 35u, 1u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 222: reply of read_encoder */
-        {{0x154u, {0x90u, 0x00u, 0xFFu, 0x7Fu, 0x34u, 0x12u, 0x00u, 0x40u}}, 20u, 35u, 2u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 223: reply of read_encoder */
-        {{0x160u, {0x90u, 0x00u, 0xFFu, 0xFFu, 0x01u, 0x80u, 0x00u, 0x80u}}, 32u, 35u, 3u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 224: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 35u, 4u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 225: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0xCDu, 0xABu, 0xDEu, 0xBCu, 0x11u, 0x11u}}, 1u, 35u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 226: reply of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x00u, 0x40u, 0x01u, 0x00u, 0x02u, 0x00u}}, 1u, 35u, 6u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x154u, {0x34000000u, 0x04030201u}}, 20u, 32, 6, 0, 0, 8, 3, 0},
+        {{0x141u, {0x34000000u, 0xB80B0000u}}, 1u, 33, 0, 0, 0, 8, 3, 0}, /* 215: reply of write_acceleration_ram */
+        {{0x141u, {0x34000000u, 0xFCFCFDFEu}}, 1u, 33, 7, 0, 0, 8, 3, 0}, /* 216: reply of write_acceleration_ram */
+        {{0x141u, {0x90000000u}}, 1u, 34, 0, 0, 0, 8, 3, 0}, /* 217: request of read_encoder */
+        {{0x160u, {0x90000000u}}, 32u, 34, 0, 0, 0, 8, 3, 0}, /* 218: request of read_encoder */
+        {{0x141u, {0x90010203u, 0x04050607u}}, 1u, 34, 0, 0, 0, 8, 1, 0}, /* 219: request of read_encoder */
+        {{0x141u, {0x90000201u, 0x04030202u}}, 1u, 35, 0, 0, 14, 8, 3, 0}, /* 220: reply of read_encoder */
+        {{0x141u, {0x9000FF3Fu, 0x00000100u}}, 1u, 35, 1, 0, 14, 8, 3, 0}, /* 221: reply of read_encoder */
+        {{0x154u, {0x9000FF7Fu, 0x34120040u}}, 20u, 35, 2, 0, 15, 8, 3, 0}, /* 222: reply of read_encoder */
+        {{0x160u, {0x9000FFFFu, 0x01800080u}}, 32u, 35, 3, 0, 16, 8, 3, 0}, /* 223: reply of read_encoder */
+        {{0x141u, {0x90000000u}}, 1u, 35, 4, 0, 16, 8, 3, 0}, /* 224: reply of read_encoder */
+        {{0x141u, {0x9000CDABu, 0xDEBC1111u}}, 1u, 35, 5, 0, 0, 8, 3, 0}, /* 225: reply of read_encoder */
+        {{0x141u, {0x90000040u, 0x01000200u}}, 1u, 35, 6, 0, 14, 8, 1, 0}, /* 226: reply of read_encoder */
         /* 227: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x20u}}, 1u, 36u, 0u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x00000020u}}, 1u, 36, 0, 0, 14, 8, 3, 0},
         /* 228: reply of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x20u}}, 1u, 37u, 0u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 229: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 36u, 1u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x00000020u}}, 1u, 37, 0, 0, 14, 8, 3, 0},
+        {{0x141u, {0x91000000u}}, 1u, 36, 1, 0, 14, 8, 3, 0}, /* 229: request of write_encoder_offset_rom */
         /* 230: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x3Fu}}, 1u, 36u, 2u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x0000FF3Fu}}, 1u, 36, 2, 0, 14, 8, 3, 0},
         /* 231: request of write_encoder_offset_rom */
-        {{0x154u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x7Fu}}, 20u, 36u, 3u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x91000000u, 0x0000FF7Fu}}, 20u, 36, 3, 0, 15, 8, 3, 0},
         /* 232: request of write_encoder_offset_rom */
-        {{0x160u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu}}, 32u, 36u, 4u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x91000000u, 0x0000FFFFu}}, 32u, 36, 4, 0, 16, 8, 3, 0},
         /* 233: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u}}, 1u, 36u, 5u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x00000100u}}, 1u, 36, 5, 0, 16, 8, 3, 0},
         /* 234: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x02u, 0x01u}}, 1u, 36u, 6u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x00000201u}}, 1u, 36, 6, 0, 14, 8, 3, 0},
         /* 235: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x40u}}, 1u, 36u, 7u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x91000000u, 0x00000040u}}, 1u, 36, 7, 0, 14, 8, 1, 0},
         /* 236: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 36u, 8u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x91000000u, 0x00000080u}}, 1u, 36, 8, 0, 15, 8, 1, 0},
         /* 237: request of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xDCu, 0xFEu}}, 1u, 36u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x0000DCFEu}}, 1u, 36, 9, 0, 0, 8, 3, 0},
         /* 238: reply of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x34u, 0x12u}}, 1u, 37u, 10u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x00003412u}}, 1u, 37, 10, 0, 14, 8, 3, 0},
         /* 239: reply of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu}}, 1u, 37u, 4u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x0000FFFFu}}, 1u, 37, 4, 0, 16, 8, 3, 0},
         /* 240: reply of write_encoder_offset_rom */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x40u, 0x9Cu}}, 1u, 37u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 241: request of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 38u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 242: request of write_position_as_zero_rom */
-        {{0x160u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 38u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x91000000u, 0x0000409Cu}}, 1u, 37, 11, 0, 0, 8, 3, 0},
+        {{0x141u, {0x19000000u}}, 1u, 38, 0, 0, 0, 8, 3, 0}, /* 241: request of write_position_as_zero_rom */
+        {{0x160u, {0x19000000u}}, 32u, 38, 0, 0, 0, 8, 3, 0}, /* 242: request of write_position_as_zero_rom */
         /* 243: request of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 38u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x19010203u, 0x04050607u}}, 1u, 38, 0, 0, 0, 8, 1, 0},
         /* 244: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x34u, 0x12u}}, 1u, 39u, 0u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x19000000u, 0x00003412u}}, 1u, 39, 0, 0, 14, 8, 3, 0},
         /* 245: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x3Fu}}, 1u, 39u, 1u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x19000000u, 0x0000FF3Fu}}, 1u, 39, 1, 0, 14, 8, 3, 0},
         /* 246: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x7Fu}}, 1u, 39u, 2u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x19000000u, 0x0000FF7Fu}}, 1u, 39, 2, 0, 15, 8, 3, 0},
         /* 247: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu}}, 1u, 39u, 3u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 248: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 39u, 4u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x19000000u, 0x0000FFFFu}}, 1u, 39, 3, 0, 16, 8, 3, 0},
+        {{0x141u, {0x19000000u}}, 1u, 39, 4, 0, 16, 8, 3, 0}, /* 248: reply of write_position_as_zero_rom */
         /* 249: reply of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x40u, 0x9Cu}}, 1u, 39u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 250: request of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 251: request of read_multi_turn_angle */
-        {{0x160u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 252: request of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 253: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xD8u, 0xDCu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 41u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 254: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xA0u, 0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 41u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 255: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 41u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 256: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 41u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 257: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 41u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 258: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 1u, 41u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 259: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 41u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 260: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x07u, 0x06u, 0x05u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 41u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 261: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xF9u, 0xF9u, 0xFAu, 0xFBu, 0xFCu, 0xFDu, 0xFEu}}, 1u, 41u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 262: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x20u}}, 1u, 41u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 263: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u, 0x00u}}, 1u, 41u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 264: reply of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 41u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 265: reply of read_multi_turn_angle */
-        {{0x160u, {0x92u, 0x15u, 0xCDu, 0x5Bu, 0x07u, 0x00u, 0x00u, 0x00u}}, 32u, 41u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 266: request of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 42u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 267: request of read_single_turn_angle */
-        {{0x160u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 42u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 268: request of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 42u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 269: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x45u, 0x05u, 0x00u}}, 1u, 43u, 0u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 270: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x46u, 0x05u, 0x00u}}, 1u, 43u, 1u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 271: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 43u, 2u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 272: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 43u, 3u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 273: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 43u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 274: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 43u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 275: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 43u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 276: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 43u, 7u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 277: reply of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0xBFu, 0x4Bu, 0x03u, 0x00u}}, 1u, 43u, 8u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 278: reply of read_single_turn_angle */
-        {{0x154u, {0x94u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 20u, 43u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 279: request of clear_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 44u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 280: request of clear_angle */
-        {{0x160u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 44u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 281: request of clear_angle */
-        {{0x141u, {0x95u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 44u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 282: reply of clear_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 45u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 283: reply of clear_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 45u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 284: request of read_status_1 */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 46u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 285: request of read_status_1 */
-        {{0x160u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 46u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 286: request of read_status_1 */
-        {{0x141u, {0x9Au, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 46u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 287: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x19u, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x01u}}, 1u, 47u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 288: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x19u, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 47u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 289: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u}}, 1u, 47u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 290: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x7Fu, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x09u}}, 1u, 47u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 291: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0xFFu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 47u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 292: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 47u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 293: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x01u, 0x00u, 0xE1u, 0x01u, 0x00u, 0x00u, 0x08u}}, 1u, 47u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 294: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x1Eu, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x06u}}, 1u, 47u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 295: reply of read_status_1 */
-        {{0x160u, {0x9Au, 0x1Eu, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0xFFu}}, 32u, 47u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 296: reply of read_status_1 */
-        {{0x141u, {0x9Au, 0x19u, 0xFFu, 0xF0u, 0x00u, 0xFFu, 0xFFu, 0x08u}}, 1u, 47u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 297: request of clear_errors */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 48u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 298: request of clear_errors */
-        {{0x160u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 48u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 299: request of clear_errors */
-        {{0x141u, {0x9Bu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 48u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 300: reply of clear_errors */
-        {{0x141u, {0x9Au, 0x19u, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 49u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_ENCODED},
-        /* 301: reply of clear_errors */
-        {{0x141u, {0x9Au, 0xD8u, 0x00u, 0x04u, 0x03u, 0x00u, 0x00u, 0x09u}}, 1u, 49u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_ENCODED},
-        /* 302: reply of clear_errors */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u}}, 1u, 49u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_ENCODED},
-        /* 303: reply of clear_errors */
-        {{0x141u, {0x9Bu, 0x19u, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 49u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 304: request of read_status_2 */
-        {{0x141u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 50u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 305: request of read_status_2 */
-        {{0x160u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 50u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 306: request of read_status_2 */
-        {{0x141u, {0x9Cu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 50u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 307: reply of read_status_2 */
-        {{0x141u, {0x9Cu, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 51u, 11u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 308: reply of read_status_2 */
-        {{0x142u, {0x9Cu, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 51u, 12u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 309: reply of read_status_2 */
-        {{0x154u, {0x9Cu, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 51u, 13u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 310: reply of read_status_2 */
-        {{0x160u, {0x9Cu, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 51u, 14u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 311: reply of read_status_2 */
-        {{0x141u, {0x9Cu, 0xECu, 0x00u, 0xF8u, 0xFFu, 0xFFu, 0x01u, 0x00u}}, 1u, 51u, 17u, 12u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 312: request of read_status_3 */
-        {{0x141u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 52u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 313: request of read_status_3 */
-        {{0x160u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 52u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 314: request of read_status_3 */
-        {{0x141u, {0x9Du, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 52u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 315: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x19u, 0x40u, 0x00u, 0xC0u, 0xFFu, 0x00u, 0x00u}}, 1u, 53u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 316: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x01u, 0x00u}}, 1u, 53u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 317: reply of read_status_3 */
-        {{0x160u, {0x9Du, 0x7Fu, 0xFFu, 0xFFu, 0x02u, 0x01u, 0x04u, 0x03u}}, 32u, 53u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 318: reply of read_status_3 */
-        {{0x141u, {0x9Du, 0x00u, 0x00u, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u}}, 1u, 53u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 319: request of broadcast_torque */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, 0u, 54u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 320: request of broadcast_torque */
-        {{0x280u, {0x30u, 0xF8u, 0xFFu, 0xFFu, 0x01u, 0x00u, 0xD0u, 0x07u}}, 0u, 54u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 321: request of broadcast_torque */
-        {{0x280u, {0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u, 0x00u, 0xFAu}}, 0u, 54u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 322: request of broadcast_torque */
-        {{0x280u, {0xD0u, 0x07u, 0xD0u, 0x07u, 0x30u, 0xF8u, 0x30u, 0xF8u}}, 0u, 54u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 323: request of broadcast_torque */
-        {{0x280u, {0xD1u, 0x07u, 0x00u, 0x00u, 0x00u, 0x00u, 0x2Fu, 0xF8u}}, 0u, 54u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 324: reply of broadcast_torque */
-        {{0x141u, {0xA1u, 0x15u, 0x64u, 0x00u, 0xFFu, 0xFFu, 0x01u, 0x00u}}, 1u, 9u, 18u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 325: reply of broadcast_torque */
-        {{0x142u, {0xA1u, 0x16u, 0xC8u, 0x00u, 0xFEu, 0xFFu, 0x02u, 0x00u}}, 2u, 9u, 19u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 326: reply of broadcast_torque */
-        {{0x143u, {0xA1u, 0x17u, 0x2Cu, 0x01u, 0xFDu, 0xFFu, 0x03u, 0x00u}}, 3u, 9u, 20u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 327: reply of broadcast_torque */
-        {{0x144u, {0xA1u, 0x18u, 0x90u, 0x01u, 0xFCu, 0xFFu, 0x04u, 0x00u}}, 4u, 9u, 21u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-    };
-    static const canwright_golden_rejection_t rejections[] CANWRIGHT_FLASH = {
-        /* 328: request: unknown_id */
-        {{0x140u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 329: request: unknown_id */
-        {{0x161u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 330: request: unknown_id */
-        {{0x241u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 331: request: unknown_id */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 332: request: unknown_id */
-        {{0x80000141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 333: request: unknown_id */
-        {{0x40000141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 334: request: wrong_length */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 335: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 336: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 337: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 9u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 338: request: unknown_code */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 339: request: unknown_code */
-        {{0x141u, {0x37u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 340: request: unknown_code */
-        {{0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 341: request: unknown_code */
-        {{0x141u, {0xA9u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 342: request: unknown_code */
-        {{0x141u, {0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 343: request: unknown_code */
-        {{0x141u, {0xADu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 344: request: unknown_code */
-        {{0x141u, {0xC0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 345: request: unknown_id */
-        {{0x161u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 346: reply: unknown_id */
-        {{0x140u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 347: reply: unknown_id */
-        {{0x161u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 348: reply: unknown_id */
-        {{0x241u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 349: reply: unknown_id */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 350: reply: unknown_id */
-        {{0x80000141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 351: reply: unknown_id */
-        {{0x40000141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 352: reply: wrong_length */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 353: reply: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 354: reply: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 355: reply: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 9u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 356: reply: unknown_code */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 357: reply: unknown_code */
-        {{0x141u, {0x37u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 358: reply: unknown_code */
-        {{0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 359: reply: unknown_code */
-        {{0x141u, {0xA9u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 360: reply: unknown_code */
-        {{0x141u, {0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 361: reply: unknown_code */
-        {{0x141u, {0xADu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 362: reply: unknown_code */
-        {{0x141u, {0xC0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 363: reply: unknown_id */
-        {{0x161u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
+        {{0x141u, {0x19000000u, 0x0000409Cu}}, 1u, 39, 5, 0, 0, 8, 3, 0},
+        {{0x141u, {0x92000000u}}, 1u, 40, 0, 0, 0, 8, 3, 0}, /* 250: request of read_multi_turn_angle */
+        {{0x160u, {0x92000000u}}, 32u, 40, 0, 0, 0, 8, 3, 0}, /* 251: request of read_multi_turn_angle */
+        {{0x141u, {0x92010203u, 0x04050607u}}, 1u, 40, 0, 0, 0, 8, 1, 0}, /* 252: request of read_multi_turn_angle */
+        {{0x141u, {0x92D8DCFFu, 0xFFFFFFFFu}}, 1u, 41, 0, 0, 0, 8, 3, 0}, /* 253: reply of read_multi_turn_angle */
+        {{0x141u, {0x92A08C00u}}, 1u, 41, 1, 0, 0, 8, 3, 0}, /* 254: reply of read_multi_turn_angle */
+        {{0x141u, {0x92000000u}}, 1u, 41, 2, 0, 0, 8, 3, 0}, /* 255: reply of read_multi_turn_angle */
+        {{0x141u, {0x92010000u}}, 1u, 41, 3, 0, 0, 8, 3, 0}, /* 256: reply of read_multi_turn_angle */
+        {{0x141u, {0x92FFFFFFu, 0xFFFFFFFFu}}, 1u, 41, 4, 0, 0, 8, 3, 0}, /* 257: reply of read_multi_turn_angle */
+        {{0x141u, {0x92FFFFFFu, 0xFFFFFF7Fu}}, 1u, 41, 5, 0, 0, 8, 3, 0}, /* 258: reply of read_multi_turn_angle */
+        {{0x141u, {0x92000000u, 0x00000080u}}, 1u, 41, 6, 0, 0, 8, 3, 0}, /* 259: reply of read_multi_turn_angle */
+        {{0x141u, {0x92070605u, 0x04030201u}}, 1u, 41, 7, 0, 0, 8, 3, 0}, /* 260: reply of read_multi_turn_angle */
+        {{0x141u, {0x92F9F9FAu, 0xFBFCFDFEu}}, 1u, 41, 8, 0, 0, 8, 3, 0}, /* 261: reply of read_multi_turn_angle */
+        {{0x141u, {0x92010000u, 0x00000020u}}, 1u, 41, 9, 0, 0, 8, 3, 0}, /* 262: reply of read_multi_turn_angle */
+        {{0x141u, {0x92000000u, 0x80000000u}}, 1u, 41, 10, 0, 0, 8, 3, 0}, /* 263: reply of read_multi_turn_angle */
+        {{0x141u, {0x92FFFFFFu, 0x7FFFFFFFu}}, 1u, 41, 11, 0, 0, 8, 3, 0}, /* 264: reply of read_multi_turn_angle */
+        {{0x160u, {0x9215CD5Bu, 0x07000000u}}, 32u, 41, 12, 0, 0, 8, 3, 0}, /* 265: reply of read_multi_turn_angle */
+        {{0x141u, {0x94000000u}}, 1u, 42, 0, 0, 0, 8, 3, 0}, /* 266: request of read_single_turn_angle */
+        {{0x160u, {0x94000000u}}, 32u, 42, 0, 0, 0, 8, 3, 0}, /* 267: request of read_single_turn_angle */
+        {{0x141u, {0x94010203u, 0x04050607u}}, 1u, 42, 0, 0, 0, 8, 1, 0}, /* 268: request of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0xFF450500u}}, 1u, 43, 0, 0, 17, 8, 3, 0}, /* 269: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0x00460500u}}, 1u, 43, 1, 0, 17, 8, 1, 0}, /* 270: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0x9F8C0000u}}, 1u, 43, 2, 0, 18, 8, 3, 0}, /* 271: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u}}, 1u, 43, 3, 0, 19, 8, 3, 0}, /* 272: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0x01000000u}}, 1u, 43, 4, 0, 0, 8, 3, 0}, /* 273: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0xFFFFFFFFu}}, 1u, 43, 5, 0, 0, 8, 3, 0}, /* 274: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0x04030201u}}, 1u, 43, 6, 0, 0, 8, 3, 0}, /* 275: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0xA08C0000u}}, 1u, 43, 7, 0, 18, 8, 1, 0}, /* 276: reply of read_single_turn_angle */
+        {{0x141u, {0x94000000u, 0xBF4B0300u}}, 1u, 43, 8, 0, 19, 8, 3, 0}, /* 277: reply of read_single_turn_angle */
+        {{0x154u, {0x94000000u, 0x50460000u}}, 20u, 43, 9, 0, 0, 8, 3, 0}, /* 278: reply of read_single_turn_angle */
+        {{0x141u, {0x95000000u}}, 1u, 44, 0, 0, 0, 8, 3, 0}, /* 279: request of clear_angle */
+        {{0x160u, {0x95000000u}}, 32u, 44, 0, 0, 0, 8, 3, 0}, /* 280: request of clear_angle */
+        {{0x141u, {0x95010203u, 0x04050607u}}, 1u, 44, 0, 0, 0, 8, 1, 0}, /* 281: request of clear_angle */
+        {{0x141u, {0x95000000u}}, 1u, 45, 0, 0, 0, 8, 3, 0}, /* 282: reply of clear_angle */
+        {{0x154u, {0x95000000u}}, 20u, 45, 0, 0, 0, 8, 3, 0}, /* 283: reply of clear_angle */
+        {{0x141u, {0x9A000000u}}, 1u, 46, 0, 0, 0, 8, 3, 0}, /* 284: request of read_status_1 */
+        {{0x160u, {0x9A000000u}}, 32u, 46, 0, 0, 0, 8, 3, 0}, /* 285: request of read_status_1 */
+        {{0x141u, {0x9A010203u, 0x04050607u}}, 1u, 46, 0, 0, 0, 8, 1, 0}, /* 286: request of read_status_1 */
+        {{0x141u, {0x9A1900F0u, 0x00000001u}}, 1u, 47, 0, 0, 0, 8, 3, 0}, /* 287: reply of read_status_1 */
+        {{0x141u, {0x9A1900F0u}}, 1u, 47, 1, 0, 0, 8, 3, 0}, /* 288: reply of read_status_1 */
+        {{0x141u, {0x9A800000u, 0x00000008u}}, 1u, 47, 2, 0, 0, 8, 3, 0}, /* 289: reply of read_status_1 */
+        {{0x141u, {0x9A7F00FFu, 0xFF000009u}}, 1u, 47, 3, 0, 0, 8, 3, 0}, /* 290: reply of read_status_1 */
+        {{0x141u, {0x9AFF0001u}}, 1u, 47, 4, 0, 0, 8, 3, 0}, /* 291: reply of read_status_1 */
+        {{0x141u, {0x9A000002u, 0x01000000u}}, 1u, 47, 5, 0, 0, 8, 3, 0}, /* 292: reply of read_status_1 */
+        {{0x141u, {0x9A0100E1u, 0x01000008u}}, 1u, 47, 6, 0, 0, 8, 3, 0}, /* 293: reply of read_status_1 */
+        {{0x141u, {0x9A1E00F0u, 0x00000006u}}, 1u, 47, 7, 0, 0, 8, 1, 0}, /* 294: reply of read_status_1 */
+        {{0x160u, {0x9A1E00F0u, 0x000000FFu}}, 32u, 47, 8, 0, 0, 8, 1, 0}, /* 295: reply of read_status_1 */
+        {{0x141u, {0x9A19FFF0u, 0x00FFFF08u}}, 1u, 47, 9, 0, 0, 8, 1, 0}, /* 296: reply of read_status_1 */
+        {{0x141u, {0x9B000000u}}, 1u, 48, 0, 0, 0, 8, 3, 0}, /* 297: request of clear_errors */
+        {{0x160u, {0x9B000000u}}, 32u, 48, 0, 0, 0, 8, 3, 0}, /* 298: request of clear_errors */
+        {{0x141u, {0x9B010203u, 0x04050607u}}, 1u, 48, 0, 0, 0, 8, 1, 0}, /* 299: request of clear_errors */
+        {{0x141u, {0x9A1900F0u}}, 1u, 49, 10, 0, 0, 8, 2, 0}, /* 300: reply of clear_errors */
+        {{0x141u, {0x9AD80004u, 0x03000009u}}, 1u, 49, 11, 0, 0, 8, 2, 0}, /* 301: reply of clear_errors */
+        {{0x141u, {0x9A0000FFu, 0xFF000001u}}, 1u, 49, 12, 0, 0, 8, 2, 0}, /* 302: reply of clear_errors */
+        {{0x141u, {0x9B1900F0u}}, 1u, 49, 13, 0, 0, 8, 3, 0}, /* 303: reply of clear_errors */
+        {{0x141u, {0x9C000000u}}, 1u, 50, 0, 0, 0, 8, 3, 0}, /* 304: request of read_status_2 */
+        {{0x160u, {0x9C000000u}}, 32u, 50, 0, 0, 0, 8, 3, 0}, /* 305: request of read_status_2 */
+        {{0x141u, {0x9C010203u, 0x04050607u}}, 1u, 50, 0, 0, 0, 8, 1, 0}, /* 306: request of read_status_2 */
+        {{0x141u, {0x9C280903u, 0x18FC401Fu}}, 1u, 51, 11, 0, 1, 8, 3, 0}, /* 307: reply of read_status_2 */
+        {{0x142u, {0x9C29F006u, 0x17FC411Fu}}, 2u, 51, 12, 0, 8, 8, 3, 0}, /* 308: reply of read_status_2 */
+        {{0x154u, {0x9C2AEF06u, 0x16FC421Fu}}, 20u, 51, 13, 0, 9, 8, 3, 0}, /* 309: reply of read_status_2 */
+        {{0x160u, {0x9C2BEE06u, 0x15FC431Fu}}, 32u, 51, 14, 0, 11, 8, 3, 0}, /* 310: reply of read_status_2 */
+        {{0x141u, {0x9CEC00F8u, 0xFFFF0100u}}, 1u, 51, 17, 0, 12, 8, 3, 0}, /* 311: reply of read_status_2 */
+        {{0x141u, {0x9D000000u}}, 1u, 52, 0, 0, 0, 8, 3, 0}, /* 312: request of read_status_3 */
+        {{0x160u, {0x9D000000u}}, 32u, 52, 0, 0, 0, 8, 3, 0}, /* 313: request of read_status_3 */
+        {{0x141u, {0x9D010203u, 0x04050607u}}, 1u, 52, 0, 0, 0, 8, 1, 0}, /* 314: request of read_status_3 */
+        {{0x141u, {0x9D194000u, 0xC0FF0000u}}, 1u, 53, 0, 0, 0, 8, 3, 0}, /* 315: reply of read_status_3 */
+        {{0x141u, {0x9D80FF7Fu, 0x00800100u}}, 1u, 53, 1, 0, 0, 8, 3, 0}, /* 316: reply of read_status_3 */
+        {{0x160u, {0x9D7FFFFFu, 0x02010403u}}, 32u, 53, 2, 0, 0, 8, 3, 0}, /* 317: reply of read_status_3 */
+        {{0x141u, {0x9D000080u, 0xFF7F0080u}}, 1u, 53, 3, 0, 0, 8, 3, 0}, /* 318: reply of read_status_3 */
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 54, 0, 0, 0, 8, 3, 0}, /* 319: request of broadcast_torque */
+        {{0x280u, {0x30F8FFFFu, 0x0100D007u}}, 0u, 54, 1, 0, 0, 8, 3, 0}, /* 320: request of broadcast_torque */
+        {{0x280u, {0x02010403u, 0x060500FAu}}, 0u, 54, 2, 0, 0, 8, 3, 0}, /* 321: request of broadcast_torque */
+        {{0x280u, {0xD007D007u, 0x30F830F8u}}, 0u, 54, 3, 0, 0, 8, 3, 0}, /* 322: request of broadcast_torque */
+        {{0x280u, {0xD1070000u, 0x00002FF8u}}, 0u, 54, 4, 0, 0, 8, 1, 0}, /* 323: request of broadcast_torque */
+        {{0x141u, {0xA1156400u, 0xFFFF0100u}}, 1u, 9, 18, 0, 11, 8, 3, 0}, /* 324: reply of broadcast_torque */
+        {{0x142u, {0xA116C800u, 0xFEFF0200u}}, 2u, 9, 19, 0, 11, 8, 3, 0}, /* 325: reply of broadcast_torque */
+        {{0x143u, {0xA1172C01u, 0xFDFF0300u}}, 3u, 9, 20, 0, 11, 8, 3, 0}, /* 326: reply of broadcast_torque */
+        {{0x144u, {0xA1189001u, 0xFCFF0400u}}, 4u, 9, 21, 0, 11, 8, 3, 0}, /* 327: reply of broadcast_torque */
+        {{0x140u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 328: request: unknown_id */
+        {{0x161u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 329: request: unknown_id */
+        {{0x241u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 330: request: unknown_id */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 331: request: unknown_id */
+        {{0x80000141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 332: request: unknown_id */
+        {{0x40000141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 4, CANWRIGHT_UNKNOWN_ID}, /* 333: request: unknown_id */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 4, CANWRIGHT_WRONG_LENGTH}, /* 334: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 1, 4, CANWRIGHT_WRONG_LENGTH}, /* 335: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 7, 4, CANWRIGHT_WRONG_LENGTH}, /* 336: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 9, 4, CANWRIGHT_WRONG_LENGTH}, /* 337: request: wrong_length */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 338: request: unknown_code */
+        {{0x141u, {0x37000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 339: request: unknown_code */
+        {{0x141u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 340: request: unknown_code */
+        {{0x141u, {0xA9000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 341: request: unknown_code */
+        {{0x141u, {0xFF000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 342: request: unknown_code */
+        {{0x141u, {0xAD000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 343: request: unknown_code */
+        {{0x141u, {0xC0000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 344: request: unknown_code */
+        {{0x161u, {0xA1000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 345: request: unknown_id */
+        {{0x140u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 346: reply: unknown_id */
+        {{0x161u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 347: reply: unknown_id */
+        {{0x241u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 348: reply: unknown_id */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 349: reply: unknown_id */
+        {{0x80000141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 350: reply: unknown_id */
+        {{0x40000141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 5, CANWRIGHT_UNKNOWN_ID}, /* 351: reply: unknown_id */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 5, CANWRIGHT_WRONG_LENGTH}, /* 352: reply: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 1, 5, CANWRIGHT_WRONG_LENGTH}, /* 353: reply: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 7, 5, CANWRIGHT_WRONG_LENGTH}, /* 354: reply: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 9, 5, CANWRIGHT_WRONG_LENGTH}, /* 355: reply: wrong_length */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 356: reply: unknown_code */
+        {{0x141u, {0x37000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 357: reply: unknown_code */
+        {{0x141u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 358: reply: unknown_code */
+        {{0x141u, {0xA9000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 359: reply: unknown_code */
+        {{0x141u, {0xFF000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 360: reply: unknown_code */
+        {{0x141u, {0xAD000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 361: reply: unknown_code */
+        {{0x141u, {0xC0000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 362: reply: unknown_code */
+        {{0x161u, {0xA1000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 363: reply: unknown_id */
         /* 364: reply: unknown_id */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID},
         /* 365: request: unknown_id */
-        {{0x281u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 366: request: wrong_length */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0x00u, 0x00u}}, 6u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
+        {{0x281u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID},
+        {{0x280u, {0xE80318FCu}}, 0u, 0, 0, 0, 0, 6, 4, CANWRIGHT_WRONG_LENGTH}, /* 366: request: wrong_length */
         /* 367: request: unknown_id */
-        {{0x80000280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 368: request: unknown_code */
-        {{0x141u, {0x37u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x80000280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID},
+        {{0x141u, {0x37000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 368: request: unknown_code */
         /* 369: request: unknown_code */
-        {{0x141u, {0x38u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 370: request: unknown_code */
-        {{0x141u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 371: request: unknown_code */
-        {{0x141u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 372: request: unknown_code */
-        {{0x141u, {0x18u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 373: request: unknown_code */
-        {{0x141u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 374: reply: unknown_code */
-        {{0x141u, {0x44u, 0x05u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x38000000u, 0x64000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x4405FA00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 370: request: unknown_code */
+        {{0x141u, {0x8C100000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 371: request: unknown_code */
+        {{0x141u, {0x18000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 372: request: unknown_code */
+        {{0x141u, {0x40050A00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 373: request: unknown_code */
+        {{0x141u, {0x44050100u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 374: reply: unknown_code */
         /* 375: reply: missing_parameter */
-        {{0x141u, {0xA1u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 376: reply: missing_parameter */
-        {{0x141u, {0xA2u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 377: reply: missing_parameter */
-        {{0x141u, {0xA3u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA3326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 378: reply: missing_parameter */
-        {{0x141u, {0xA4u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA4326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 379: reply: missing_parameter */
-        {{0x141u, {0xA5u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA5326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 380: reply: missing_parameter */
-        {{0x141u, {0xA6u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA6326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 381: reply: missing_parameter */
-        {{0x141u, {0xA7u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA7326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 382: reply: missing_parameter */
-        {{0x141u, {0xA8u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x141u, {0xA8326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 383: reply: missing_parameter */
-        {{0x141u, {0x9Cu, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
-    };
-    static const canwright_golden_refusal_t refusals[] CANWRIGHT_FLASH = {
+        {{0x141u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 384: request of motor_off: unknown_node */
-        {0u, 0u, 0u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 385: request of motor_off: unknown_node */
-        {33u, 0u, 0u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 386: request of motor_off: unknown_node */
-        {-1u, 0u, 0u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 387: reply of motor_off: unknown_node */
-        {0u, 1u, 0u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 388: reply of motor_off: unknown_node */
-        {33u, 1u, 0u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 389: reply of motor_off: unknown_node */
-        {-1u, 1u, 0u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 390: request of set_speed: unknown_node */
-        {0u, 10u, 6u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 10, 6, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 391: request of set_speed: unknown_node */
-        {33u, 10u, 6u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 10, 6, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 392: request of set_speed: unknown_node */
-        {-1u, 10u, 6u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 10, 6, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 393: reply of read_multi_turn_angle: unknown_node */
-        {0u, 41u, 2u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 41, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 394: reply of read_multi_turn_angle: unknown_node */
-        {33u, 41u, 2u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 41, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 395: reply of read_multi_turn_angle: unknown_node */
-        {-1u, 41u, 2u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 41, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 396: request of set_power: out_of_range */
-        {1u, 6u, 9u, MWD_MOTOR_V2_35_FIELD_POWER, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 9, MWD_MOTOR_V2_35_FIELD_POWER, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 397: request of set_power: out_of_range */
-        {1u, 6u, 7u, MWD_MOTOR_V2_35_FIELD_POWER, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 7, MWD_MOTOR_V2_35_FIELD_POWER, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 398: request of set_torque: out_of_range */
-        {1u, 8u, 11u, MWD_MOTOR_V2_35_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 11, MWD_MOTOR_V2_35_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 399: request of set_torque: out_of_range */
-        {1u, 8u, 10u, MWD_MOTOR_V2_35_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 10, MWD_MOTOR_V2_35_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 400: request of set_torque: out_of_range */
-        {1u, 8u, 11u, MWD_MOTOR_V2_35_FIELD_IQ, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 11, MWD_MOTOR_V2_35_FIELD_IQ, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 401: request of set_torque: out_of_range */
-        {1u, 8u, 10u, MWD_MOTOR_V2_35_FIELD_IQ, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 10, MWD_MOTOR_V2_35_FIELD_IQ, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 402: request of set_torque: out_of_range */
-        {1u, 8u, 3u, MWD_MOTOR_V2_35_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 3, MWD_MOTOR_V2_35_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 403: request of set_torque: out_of_range */
-        {1u, 8u, 11u, MWD_MOTOR_V2_35_FIELD_IQ, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 11, MWD_MOTOR_V2_35_FIELD_IQ, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 404: request of set_torque: out_of_range */
-        {1u, 8u, 10u, MWD_MOTOR_V2_35_FIELD_IQ, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 10, MWD_MOTOR_V2_35_FIELD_IQ, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 405: request of set_torque: out_of_range */
-        {1u, 8u, 11u, MWD_MOTOR_V2_35_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 11, MWD_MOTOR_V2_35_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 406: request of set_torque: out_of_range */
-        {1u, 8u, 10u, MWD_MOTOR_V2_35_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 10, MWD_MOTOR_V2_35_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 407: request of turn_to_angle: out_of_range */
-        {1u, 16u, 14u, MWD_MOTOR_V2_35_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 16, 14, MWD_MOTOR_V2_35_FIELD_SPIN_DIRECTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 408: request of turn_to_angle: out_of_range */
-        {1u, 16u, 15u, MWD_MOTOR_V2_35_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 16, 15, MWD_MOTOR_V2_35_FIELD_SPIN_DIRECTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 409: request of turn_to_angle_at_speed: out_of_range */
-        {1u, 18u, 7u, MWD_MOTOR_V2_35_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 18, 7, MWD_MOTOR_V2_35_FIELD_SPIN_DIRECTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 410: request of write_encoder_offset_rom: out_of_range */
-        {1u, 36u, 7u, MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET, 14u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 36, 7, MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET, 14, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 411: request of write_encoder_offset_rom: out_of_range */
-        {1u, 36u, 8u, MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET, 15u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 36, 8, MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET, 15, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 412: request of broadcast_torque: out_of_range */
-        {0u, 54u, 5u, MWD_MOTOR_V2_35_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 0u, 54, 5, MWD_MOTOR_V2_35_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 413: request of broadcast_torque: out_of_range */
-        {0u, 54u, 6u, MWD_MOTOR_V2_35_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 0u, 54, 6, MWD_MOTOR_V2_35_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 414: request of broadcast_torque: out_of_range */
-        {0u, 54u, 7u, MWD_MOTOR_V2_35_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 0u, 54, 7, MWD_MOTOR_V2_35_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 415: reply of set_speed: out_of_range */
-        {1u, 11u, 22u, MWD_MOTOR_V2_35_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 22, MWD_MOTOR_V2_35_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 416: reply of set_speed: out_of_range */
-        {1u, 11u, 23u, MWD_MOTOR_V2_35_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 23, MWD_MOTOR_V2_35_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 417: reply of set_speed: out_of_range */
-        {1u, 11u, 22u, MWD_MOTOR_V2_35_FIELD_IQ, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 22, MWD_MOTOR_V2_35_FIELD_IQ, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 418: reply of set_speed: out_of_range */
-        {1u, 11u, 23u, MWD_MOTOR_V2_35_FIELD_IQ, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 23, MWD_MOTOR_V2_35_FIELD_IQ, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 419: reply of set_speed: out_of_range */
-        {1u, 11u, 22u, MWD_MOTOR_V2_35_FIELD_IQ, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 22, MWD_MOTOR_V2_35_FIELD_IQ, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 420: reply of set_speed: out_of_range */
-        {1u, 11u, 23u, MWD_MOTOR_V2_35_FIELD_IQ, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 23, MWD_MOTOR_V2_35_FIELD_IQ, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 421: reply of set_speed: out_of_range */
-        {1u, 11u, 24u, MWD_MOTOR_V2_35_FIELD_POWER, 20u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 24, MWD_MOTOR_V2_35_FIELD_POWER, 20, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 422: reply of set_speed: out_of_range */
-        {1u, 11u, 25u, MWD_MOTOR_V2_35_FIELD_POWER, 20u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 25, MWD_MOTOR_V2_35_FIELD_POWER, 20, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 423: reply of set_torque: out_of_range */
-        {1u, 9u, 26u, MWD_MOTOR_V2_35_FIELD_ENCODER, 12u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 9, 26, MWD_MOTOR_V2_35_FIELD_ENCODER, 12, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 424: reply of set_torque: out_of_range */
-        {1u, 9u, 27u, MWD_MOTOR_V2_35_FIELD_ENCODER, 13u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 9, 27, MWD_MOTOR_V2_35_FIELD_ENCODER, 13, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 425: reply of set_speed: missing_parameter */
-        {1u, 11u, 28u, MWD_MOTOR_V2_35_FIELD_NONE, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0u, {0x00000000u}}, 1u, 11, 28, 0, 0, 0, 6, CANWRIGHT_MISSING_PARAMETER},
         /* 426: reply of read_status_1: out_of_range */
-        {1u, 47u, 14u, MWD_MOTOR_V2_35_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 47, 14, MWD_MOTOR_V2_35_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 427: reply of read_status_1: out_of_range */
-        {1u, 47u, 15u, MWD_MOTOR_V2_35_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 47, 15, MWD_MOTOR_V2_35_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 428: reply of read_status_1: out_of_range */
-        {1u, 47u, 16u, MWD_MOTOR_V2_35_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 47, 16, MWD_MOTOR_V2_35_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 429: reply of read_status_1: out_of_range */
-        {1u, 47u, 17u, MWD_MOTOR_V2_35_FIELD_ERRORS, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 47, 17, MWD_MOTOR_V2_35_FIELD_ERRORS, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 430: reply of read_multi_turn_angle: out_of_range */
-        {1u, 41u, 13u, MWD_MOTOR_V2_35_FIELD_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 41, 13, MWD_MOTOR_V2_35_FIELD_ANGLE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 431: reply of read_multi_turn_angle: out_of_range */
-        {1u, 41u, 14u, MWD_MOTOR_V2_35_FIELD_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 41, 14, MWD_MOTOR_V2_35_FIELD_ANGLE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 432: reply of read_single_turn_angle: out_of_range */
-        {1u, 43u, 1u, MWD_MOTOR_V2_35_FIELD_ANGLE, 17u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 43, 1, MWD_MOTOR_V2_35_FIELD_ANGLE, 17, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 433: reply of read_single_turn_angle: out_of_range */
-        {1u, 43u, 7u, MWD_MOTOR_V2_35_FIELD_ANGLE, 18u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 43, 7, MWD_MOTOR_V2_35_FIELD_ANGLE, 18, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 434: reply of write_position_as_zero_rom: out_of_range */
-        {1u, 39u, 6u, MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET, 14u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 39, 6, MWD_MOTOR_V2_35_FIELD_ENCODER_OFFSET, 14, 0, 6, CANWRIGHT_OUT_OF_RANGE},
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 435: a request */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 435: and a reply: ok */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 436: a request */
+        /* 436: and a reply: not_answer */
+        {{0x141u, {0x80000000u, 0x00000001u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 437: a request */
+        {{0x142u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 437: and a reply: not_answer */
+        {{0x141u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 438: a request */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 438: and a reply: not_answer */
+        {{0x141u, {0x31006464u, 0x32283232u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 439: a request */
+        {{0x141u, {0x31006464u, 0x32283232u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 439: and a reply: ok */
+        {{0x141u, {0x31006464u, 0x32283232u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 440: a request */
+        /* 440: and a reply: not_answer */
+        {{0x141u, {0x31006464u, 0x32283233u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x31006464u, 0x32283232u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 441: a request */
+        /* 441: and a reply: not_answer */
+        {{0x141u, {0x32006464u, 0x32283232u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0xA1000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 442: a request */
+        {{0x141u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 442: and a reply: ok */
+        {{0x141u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 443: a request */
+        {{0x141u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 443: and a reply: ok */
+        {{0x141u, {0xA3000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 444: a request */
+        {{0x141u, {0xA3326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 444: and a reply: ok */
+        {{0x141u, {0xA4000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 445: a request */
+        {{0x141u, {0xA4326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 445: and a reply: ok */
+        {{0x141u, {0xA5000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 446: a request */
+        {{0x141u, {0xA5326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 446: and a reply: ok */
+        {{0x141u, {0xA6000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 447: a request */
+        {{0x141u, {0xA6326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 447: and a reply: ok */
+        {{0x141u, {0xA7000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 448: a request */
+        {{0x141u, {0xA7326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 448: and a reply: ok */
+        {{0x141u, {0xA8000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 449: a request */
+        {{0x141u, {0xA8326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 449: and a reply: ok */
+        {{0x141u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 450: a request */
+        /* 450: and a reply: not_answer */
+        {{0x141u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x160u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 451: a request */
+        {{0x160u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 451: and a reply: ok */
+        {{0x160u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 452: a request */
+        /* 452: and a reply: not_answer */
+        {{0x15Fu, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 453: a request */
+        {{0x141u, {0x9A1900F0u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 453: and a reply: ok */
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 454: a request */
+        {{0x141u, {0x9B1900F0u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 454: and a reply: ok */
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 455: a request */
+        {{0x141u, {0x9A1900F0u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 455: and a reply: ok */
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 456: a request */
+        {{0x141u, {0x9B1900F0u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 456: and a reply: not_answer */
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 457: a request */
+        /* 457: and a reply: not_answer */
+        {{0x141u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x142u, {0x30000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 458: a request */
+        {{0x142u, {0x30000102u, 0x03040506u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 458: and a reply: ok */
+        {{0x142u, {0x33000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 459: a request */
+        {{0x142u, {0x33000000u, 0xB80B0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 459: and a reply: ok */
+        {{0x142u, {0x90000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 460: a request */
+        {{0x142u, {0x90000102u, 0x03040506u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 460: and a reply: ok */
+        {{0x142u, {0x19000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 461: a request */
+        {{0x142u, {0x19000000u, 0x00003412u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 461: and a reply: ok */
+        {{0x142u, {0x92000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 462: a request */
+        {{0x142u, {0x92A08C00u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 462: and a reply: ok */
+        {{0x142u, {0x94000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 463: a request */
+        {{0x142u, {0x94000000u, 0x50460000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 463: and a reply: ok */
+        {{0x142u, {0x9C000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 464: a request */
+        {{0x142u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 464: and a reply: ok */
+        {{0x142u, {0x9D000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 465: a request */
+        {{0x142u, {0x9D194000u, 0xC0FF0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 465: and a reply: ok */
+        {{0x142u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 466: a request */
+        {{0x142u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 466: and a reply: ok */
+        {{0x142u, {0x81000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 467: a request */
+        {{0x142u, {0x81000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 467: and a reply: ok */
+        {{0x142u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 468: a request */
+        {{0x142u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 468: and a reply: ok */
+        {{0x143u, {0x34000000u, 0xB80B0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 469: a request */
+        {{0x143u, {0x34000000u, 0xB80B0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 469: and a reply: ok */
+        {{0x143u, {0x34000000u, 0xB80B0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 470: a request */
+        /* 470: and a reply: not_answer */
+        {{0x143u, {0x34000000u, 0xB80B0077u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x143u, {0x91000000u, 0x00003412u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 471: a request */
+        {{0x143u, {0x91000000u, 0x00003412u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 471: and a reply: ok */
+        {{0x143u, {0x91000000u, 0x00003412u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 472: a request */
+        /* 472: and a reply: not_answer */
+        {{0x143u, {0x91000000u, 0x00003477u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x143u, {0x32000102u, 0x03040506u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 473: a request */
+        {{0x143u, {0x32000102u, 0x03040506u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 473: and a reply: ok */
+        {{0x143u, {0x32000102u, 0x03040506u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 474: a request */
+        /* 474: and a reply: not_answer */
+        {{0x143u, {0x32000102u, 0x03040577u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 475: a request */
+        {{0x141u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 475: and a reply: ok */
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 476: a request */
+        {{0x142u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 476: and a reply: ok */
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 477: a request */
+        {{0x143u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 477: and a reply: ok */
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 478: a request */
+        {{0x144u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 478: and a reply: ok */
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 479: a request */
+        /* 479: and a reply: not_answer */
+        {{0x145u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 480: a request */
+        /* 480: and a reply: not_answer */
+        {{0x141u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
     };
-    static const canwright_golden_exchange_t exchanges[] CANWRIGHT_FLASH = {
-        /* 435: request and reply: ok */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 436: request and reply: not_answer */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x01u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 437: request and reply: not_answer */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 438: request and reply: not_answer */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 439: request and reply: ok */
-        {{0x141u, {0x31u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, {0x141u, {0x31u, 0x00u, 0x64u, 0x64u,
-            0x32u, 0x28u, 0x32u, 0x32u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 440: request and reply: not_answer */
-        {{0x141u, {0x31u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, {0x141u, {0x31u, 0x00u, 0x64u, 0x64u,
-            0x32u, 0x28u, 0x32u, 0x33u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 441: request and reply: not_answer */
-        {{0x141u, {0x31u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, {0x141u, {0x32u, 0x00u, 0x64u, 0x64u,
-            0x32u, 0x28u, 0x32u, 0x32u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 442: request and reply: ok */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 443: request and reply: ok */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 444: request and reply: ok */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA3u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 445: request and reply: ok */
-        {{0x141u, {0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA4u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 446: request and reply: ok */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA5u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 447: request and reply: ok */
-        {{0x141u, {0xA6u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA6u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 448: request and reply: ok */
-        {{0x141u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA7u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 449: request and reply: ok */
-        {{0x141u, {0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA8u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 450: request and reply: not_answer */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 451: request and reply: ok */
-        {{0x160u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x160u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 452: request and reply: not_answer */
-        {{0x160u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x15Fu, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 453: request and reply: ok */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Au, 0x19u, 0x00u, 0xF0u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 454: request and reply: ok */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Bu, 0x19u, 0x00u, 0xF0u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 455: request and reply: ok */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Au, 0x19u, 0x00u, 0xF0u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 456: request and reply: not_answer */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Bu, 0x19u, 0x00u, 0xF0u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 457: request and reply: not_answer */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Cu, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 458: request and reply: ok */
-        {{0x142u, {0x30u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x30u, 0x00u, 0x01u, 0x02u,
-            0x03u, 0x04u, 0x05u, 0x06u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 459: request and reply: ok */
-        {{0x142u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x33u, 0x00u, 0x00u, 0x00u,
-            0xB8u, 0x0Bu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 460: request and reply: ok */
-        {{0x142u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x90u, 0x00u, 0x01u, 0x02u,
-            0x03u, 0x04u, 0x05u, 0x06u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 461: request and reply: ok */
-        {{0x142u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x19u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x34u, 0x12u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 462: request and reply: ok */
-        {{0x142u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x92u, 0xA0u, 0x8Cu, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 463: request and reply: ok */
-        {{0x142u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x94u, 0x00u, 0x00u, 0x00u,
-            0x50u, 0x46u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 464: request and reply: ok */
-        {{0x142u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x9Cu, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 465: request and reply: ok */
-        {{0x142u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x9Du, 0x19u, 0x40u, 0x00u,
-            0xC0u, 0xFFu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 466: request and reply: ok */
-        {{0x142u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 467: request and reply: ok */
-        {{0x142u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x81u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 468: request and reply: ok */
-        {{0x142u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x142u, {0x88u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 469: request and reply: ok */
-        {{0x143u, {0x34u, 0x00u, 0x00u, 0x00u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, {0x143u, {0x34u, 0x00u, 0x00u, 0x00u,
-            0xB8u, 0x0Bu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 470: request and reply: not_answer */
-        {{0x143u, {0x34u, 0x00u, 0x00u, 0x00u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, {0x143u, {0x34u, 0x00u, 0x00u, 0x00u,
-            0xB8u, 0x0Bu, 0x00u, 0x77u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 471: request and reply: ok */
-        {{0x143u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x34u, 0x12u}}, {0x143u, {0x91u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x34u, 0x12u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 472: request and reply: not_answer */
-        {{0x143u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x34u, 0x12u}}, {0x143u, {0x91u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x34u, 0x77u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 473: request and reply: ok */
-        {{0x143u, {0x32u, 0x00u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, {0x143u, {0x32u, 0x00u, 0x01u, 0x02u,
-            0x03u, 0x04u, 0x05u, 0x06u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 474: request and reply: not_answer */
-        {{0x143u, {0x32u, 0x00u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, {0x143u, {0x32u, 0x00u, 0x01u, 0x02u,
-            0x03u, 0x04u, 0x05u, 0x77u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 475: request and reply: ok */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, {0x141u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 476: request and reply: ok */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, {0x142u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 477: request and reply: ok */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, {0x143u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 478: request and reply: ok */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, {0x144u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 479: request and reply: not_answer */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, {0x145u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 480: request and reply: not_answer */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, {0x141u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-    };
-    mwd_motor_v2_35_parameters_t parameters;
-    const canwright_stored_t none = {0u, {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u}};
+    canwright_frame_t asked;
     mwd_motor_v2_35_selftest_t done;
-    canwright_frame_t frame;
-    canwright_step_t step;
     uint16_t i;
     result->cases = 0u;
     result->failures = 0u;
     result->first = 0u;
     result->step = CANWRIGHT_STEP_NONE;
-    canwright_restore(&result->frame, &none, 0u);
-    for (i = 0u; i < 327u; i++) {
-        canwright_golden_t entry;
-        canwright_flash_read(&entry, frames, i, sizeof entry);
+    canwright_clear(&asked);
+    result->frame = asked;
+    for (i = 0u; i < 526u; i++) {
+        canwright_step_t step = CANWRIGHT_STEP_NONE;
+        mwd_motor_v2_35_selftest_raws_t expected;
+        canwright_golden_message_t message;
+        canwright_case_t entry;
+        canwright_frame_t frame;
+        uint16_t field;
+        mwd_motor_v2_35_any_request_t request;
+        canwright_status_t request_status;
+        mwd_motor_v2_35_any_reply_t reply;
+        canwright_status_t reply_status;
+        mwd_motor_v2_35_parameters_t parameters;
+        canwright_flash_read(&entry, cases, i, sizeof entry);
+        canwright_flash_read(&message, messages, entry.message, sizeof message);
         canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
         canwright_restore(&frame, &entry.frame, entry.dlc);
-        mwd_motor_v2_35_selftest_message(&done, &frame, entry.message, entry.raws, entry.node, &parameters);
-        step = CANWRIGHT_STEP_NONE;
-        if (done.decoded != CANWRIGHT_OK) {
-            step = CANWRIGHT_STEP_DECODE;
-        } else if (!done.same || done.node != entry.node) {
-            step = CANWRIGHT_STEP_FIELDS;
-        } else if ((entry.flags & CANWRIGHT_GOLDEN_UNIQUE) != 0u && !done.any_same) {
-            step = CANWRIGHT_STEP_DECODE_ANY;
-        } else if ((entry.flags & CANWRIGHT_GOLDEN_ENCODED) != 0u
-            && (done.encoded != CANWRIGHT_OK || !canwright_same_frame(&done.written, &frame))) {
-            step = CANWRIGHT_STEP_ENCODE;
+        canwright_spoil(&done, sizeof done);
+        field = mwd_motor_v2_35_selftest_read(&expected, message.layout, entry.raws, &parameters);
+        mwd_motor_v2_35_selftest_message(&done, &frame, entry.message, entry.node, &expected, &parameters);
+        request_status = mwd_motor_v2_35_decode_request(&request, &frame);
+        reply_status = mwd_motor_v2_35_decode_reply(&reply, &frame, &parameters);
+        switch (entry.kind) {
+        case CANWRIGHT_CASE_ASKED:
+            asked = frame;
+            continue;
+        case CANWRIGHT_CASE_ANSWER:
+            if (mwd_motor_v2_35_check_reply(&asked, &frame) != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REPLY;
+            }
+            break;
+        case CANWRIGHT_CASE_REQUEST:
+            if (request_status != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REJECT_FRAME;
+            }
+            break;
+        case CANWRIGHT_CASE_REPLY:
+            if (reply_status != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REJECT_FRAME;
+            }
+            break;
+        case CANWRIGHT_CASE_MESSAGE:
+            if (done.encoded != (canwright_status_t)entry.status || (entry.field != 0u && entry.field != field)) {
+                step = CANWRIGHT_STEP_REJECT_MESSAGE;
+            }
+            frame = done.written;
+            break;
+        default:
+            if (done.decoded != CANWRIGHT_OK) {
+                step = CANWRIGHT_STEP_DECODE;
+            } else if (done.node != entry.node || !mwd_motor_v2_35_selftest_same(message.layout, &done.raws,
+                &expected)) {
+                step = CANWRIGHT_STEP_FIELDS;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_UNIQUE) != 0u && !message.is_reply
+                && (request_status != CANWRIGHT_OK || (uint32_t)request.command != message.command
+                    || request.node != entry.node
+                    || !mwd_motor_v2_35_selftest_same(message.layout, &request.as, &expected))) {
+                step = CANWRIGHT_STEP_DECODE_ANY;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_UNIQUE) != 0u && message.is_reply
+                && (reply_status != CANWRIGHT_OK || (uint32_t)reply.command != message.command
+                    || reply.node != entry.node
+                    || !mwd_motor_v2_35_selftest_same(message.layout, &reply.as, &expected))) {
+                step = CANWRIGHT_STEP_DECODE_ANY;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_ENCODED) != 0u
+                && (done.encoded != CANWRIGHT_OK || !canwright_same_frame(&done.written, &frame))) {
+                step = CANWRIGHT_STEP_ENCODE;
+            }
+            break;
         }
         canwright_selftest_count(result, step, &frame);
-    }
-    for (i = 0u; i < 56u; i++) {
-        canwright_golden_rejection_t entry;
-        canwright_flash_read(&entry, rejections, i, sizeof entry);
-        canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
-        canwright_restore(&frame, &entry.frame, entry.dlc);
-        step = CANWRIGHT_STEP_REJECT_FRAME;
-        if (entry.is_request == 1u) {
-            mwd_motor_v2_35_any_request_t any;
-            if (mwd_motor_v2_35_decode_request(&any, &frame) == (canwright_status_t)entry.status) {
-                step = CANWRIGHT_STEP_NONE;
-            }
-        }
-        if (entry.is_request == 0u) {
-            mwd_motor_v2_35_any_reply_t any;
-            if (mwd_motor_v2_35_decode_reply(&any, &frame, &parameters) == (canwright_status_t)entry.status) {
-                step = CANWRIGHT_STEP_NONE;
-            }
-        }
-        canwright_selftest_count(result, step, &frame);
-    }
-    for (i = 0u; i < 51u; i++) {
-        canwright_golden_refusal_t entry;
-        canwright_flash_read(&entry, refusals, i, sizeof entry);
-        canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
-        canwright_restore(&frame, &none, 0u);
-        done.written = frame;
-        mwd_motor_v2_35_selftest_message(&done, &frame, entry.message, entry.raws, entry.node, &parameters);
-        step = CANWRIGHT_STEP_NONE;
-        if (done.encoded != (canwright_status_t)entry.status || (entry.field != 0u && entry.field != done.field)) {
-            step = CANWRIGHT_STEP_REJECT_MESSAGE;
-        }
-        canwright_selftest_count(result, step, &done.written);
-    }
-    for (i = 0u; i < 46u; i++) {
-        canwright_golden_exchange_t entry;
-        canwright_flash_read(&entry, exchanges, i, sizeof entry);
-        canwright_frame_t reply;
-        canwright_restore(&frame, &entry.request, entry.request_dlc);
-        canwright_restore(&reply, &entry.reply, entry.reply_dlc);
-        step = CANWRIGHT_STEP_NONE;
-        if (mwd_motor_v2_35_check_reply(&frame, &reply) != (canwright_status_t)entry.status) {
-            step = CANWRIGHT_STEP_REPLY;
-        }
-        canwright_selftest_count(result, step, &reply);
     }
     return result->failures;
 }

@@ -25,251 +25,198 @@
 #endif
 #endif
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_brake_request_matches(
-    const mwd_motor_v2_36_2024_11_brake_request_t *one, const mwd_motor_v2_36_2024_11_brake_request_t *other)
-{
-    return one->action == other->action;
-}
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_brake_reply_matches(
-    const mwd_motor_v2_36_2024_11_brake_reply_t *one, const mwd_motor_v2_36_2024_11_brake_reply_t *other)
-{
-    return one->state == other->state;
-}
+/** The raw integers of any message. */
+typedef union {
+    /** Of a message without fields. */
+    uint8_t none;
+    mwd_motor_v2_36_2024_11_brake_request_t raws_brake_request;
+    mwd_motor_v2_36_2024_11_brake_reply_t raws_brake_reply;
+    mwd_motor_v2_36_2024_11_set_power_request_t raws_set_power_request;
+    mwd_motor_v2_36_2024_11_motion_feedback_t raws_motion_feedback;
+    mwd_motor_v2_36_2024_11_set_torque_request_t raws_set_torque_request;
+    mwd_motor_v2_36_2024_11_set_speed_request_t raws_set_speed_request;
+    mwd_motor_v2_36_2024_11_move_to_angle_request_t raws_move_to_angle_request;
+    mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t raws_move_to_angle_at_speed_request;
+    mwd_motor_v2_36_2024_11_turn_to_angle_request_t raws_turn_to_angle_request;
+    mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t raws_turn_to_angle_at_speed_request;
+    mwd_motor_v2_36_2024_11_move_by_angle_request_t raws_move_by_angle_request;
+    mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t raws_move_by_angle_at_speed_request;
+    mwd_motor_v2_36_2024_11_pid_gains_t raws_pid_gains;
+    mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t raws_control_parameters_max_torque_current;
+    mwd_motor_v2_36_2024_11_control_parameters_max_speed_t raws_control_parameters_max_speed;
+    mwd_motor_v2_36_2024_11_control_parameters_max_angle_t raws_control_parameters_max_angle;
+    mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t raws_control_parameters_current_ramp;
+    mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t raws_control_parameters_speed_ramp;
+    mwd_motor_v2_36_2024_11_read_encoder_reply_t raws_read_encoder_reply;
+    mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t raws_write_position_as_zero_rom_reply;
+    mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t raws_read_multi_turn_angle_reply;
+    mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t raws_read_single_turn_angle_reply;
+    mwd_motor_v2_36_2024_11_set_angle_t raws_set_angle;
+    mwd_motor_v2_36_2024_11_status_1_t raws_status_1;
+    mwd_motor_v2_36_2024_11_read_status_3_reply_t raws_read_status_3_reply;
+} mwd_motor_v2_36_2024_11_selftest_raws_t;
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_set_power_request_matches(
-    const mwd_motor_v2_36_2024_11_set_power_request_t *one, const mwd_motor_v2_36_2024_11_set_power_request_t *other)
-{
-    return one->power == other->power;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_motion_feedback_matches(
-    const mwd_motor_v2_36_2024_11_motion_feedback_t *one, const mwd_motor_v2_36_2024_11_motion_feedback_t *other)
-{
-    return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
-        && one->speed == other->speed && one->encoder == other->encoder;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_set_torque_request_matches(
-    const mwd_motor_v2_36_2024_11_set_torque_request_t *one,
-    const mwd_motor_v2_36_2024_11_set_torque_request_t *other)
-{
-    return one->iq == other->iq;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_set_speed_request_matches(
-    const mwd_motor_v2_36_2024_11_set_speed_request_t *one, const mwd_motor_v2_36_2024_11_set_speed_request_t *other)
-{
-    return one->iq_limit == other->iq_limit && one->speed == other->speed;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_move_to_angle_request_matches(
-    const mwd_motor_v2_36_2024_11_move_to_angle_request_t *one,
-    const mwd_motor_v2_36_2024_11_move_to_angle_request_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_matches(
-    const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *one,
-    const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *other)
-{
-    return one->max_speed == other->max_speed && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_turn_to_angle_request_matches(
-    const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *one,
-    const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *other)
-{
-    return one->spin_direction == other->spin_direction && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_matches(
-    const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *one,
-    const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *other)
-{
-    return one->spin_direction == other->spin_direction && one->max_speed == other->max_speed
-        && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_move_by_angle_request_matches(
-    const mwd_motor_v2_36_2024_11_move_by_angle_request_t *one,
-    const mwd_motor_v2_36_2024_11_move_by_angle_request_t *other)
-{
-    return one->increment == other->increment;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_matches(
-    const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *one,
-    const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *other)
-{
-    return one->max_speed == other->max_speed && one->increment == other->increment;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_pid_gains_matches(
-    const mwd_motor_v2_36_2024_11_pid_gains_t *one, const mwd_motor_v2_36_2024_11_pid_gains_t *other)
-{
-    return one->kp == other->kp && one->ki == other->ki && one->kd == other->kd;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(
-    const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *one,
-    const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *other)
-{
-    return one->max_torque_current == other->max_torque_current;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(
-    const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *one,
-    const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *other)
-{
-    return one->max_speed == other->max_speed;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(
-    const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *one,
-    const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *other)
-{
-    return one->max_angle == other->max_angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(
-    const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *one,
-    const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *other)
-{
-    return one->current_ramp == other->current_ramp;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(
-    const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *one,
-    const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *other)
-{
-    return one->speed_ramp == other->speed_ramp;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_read_encoder_reply_matches(
-    const mwd_motor_v2_36_2024_11_read_encoder_reply_t *one,
-    const mwd_motor_v2_36_2024_11_read_encoder_reply_t *other)
-{
-    return one->encoder == other->encoder && one->encoder_measured == other->encoder_measured
-        && one->encoder_offset == other->encoder_offset;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_matches(
-    const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *one,
-    const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *other)
-{
-    return one->encoder_offset == other->encoder_offset;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_matches(
-    const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *one,
-    const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_matches(
-    const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *one,
-    const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_set_angle_matches(
-    const mwd_motor_v2_36_2024_11_set_angle_t *one, const mwd_motor_v2_36_2024_11_set_angle_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_status_1_matches(
-    const mwd_motor_v2_36_2024_11_status_1_t *one, const mwd_motor_v2_36_2024_11_status_1_t *other)
-{
-    return one->temperature == other->temperature && one->voltage == other->voltage && one->current == other->current
-        && one->motor_state == other->motor_state && one->errors == other->errors;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2024_11_read_status_3_reply_matches(
-    const mwd_motor_v2_36_2024_11_read_status_3_reply_t *one,
-    const mwd_motor_v2_36_2024_11_read_status_3_reply_t *other)
-{
-    return one->temperature == other->temperature && one->phase_a == other->phase_a && one->phase_b == other->phase_b
-        && one->phase_c == other->phase_c;
-}
-
-/** What the functions of one message return for a golden frame. */
+/** What the functions of one message return. */
 typedef struct {
     /** The status of the function that decodes the message. */
     canwright_status_t decoded;
-    /** True if it returns the expected fields. */
-    bool same;
+    /** The raw integers that it returns. */
+    mwd_motor_v2_36_2024_11_selftest_raws_t raws;
     /** The node that it returns. */
     uint32_t node;
     /** The status of the function that encodes the message. */
     canwright_status_t encoded;
     /** The frame that it writes. */
     canwright_frame_t written;
-    /** The rejected field; 0 without. */
-    uint16_t field;
-    /** True if the function that decodes any frame returns the same command, node and fields. */
-    bool any_same;
 } mwd_motor_v2_36_2024_11_selftest_t;
 
-/** Decodes a frame as one message, and encodes the message with the raw integers of an entry. */
+/** True for messages of a layout with equal fields. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2024_11_selftest_message(
-    mwd_motor_v2_36_2024_11_selftest_t *result, const canwright_frame_t *frame, uint16_t message, uint16_t raws,
-    uint32_t node, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
+static inline bool mwd_motor_v2_36_2024_11_selftest_same(uint16_t layout, const void *raws, const void *expected)
+{
+    switch (layout) {
+    case 1u: {
+        const mwd_motor_v2_36_2024_11_brake_request_t *one = (const mwd_motor_v2_36_2024_11_brake_request_t *)raws;
+        const mwd_motor_v2_36_2024_11_brake_request_t *other = (const mwd_motor_v2_36_2024_11_brake_request_t *)expected;
+        return one->action == other->action;
+    }
+    case 2u: {
+        const mwd_motor_v2_36_2024_11_brake_reply_t *one = (const mwd_motor_v2_36_2024_11_brake_reply_t *)raws;
+        const mwd_motor_v2_36_2024_11_brake_reply_t *other = (const mwd_motor_v2_36_2024_11_brake_reply_t *)expected;
+        return one->state == other->state;
+    }
+    case 3u: {
+        const mwd_motor_v2_36_2024_11_set_power_request_t *one = (const mwd_motor_v2_36_2024_11_set_power_request_t *)raws;
+        const mwd_motor_v2_36_2024_11_set_power_request_t *other = (const mwd_motor_v2_36_2024_11_set_power_request_t *)expected;
+        return one->power == other->power;
+    }
+    case 4u: {
+        const mwd_motor_v2_36_2024_11_motion_feedback_t *one = (const mwd_motor_v2_36_2024_11_motion_feedback_t *)raws;
+        const mwd_motor_v2_36_2024_11_motion_feedback_t *other = (const mwd_motor_v2_36_2024_11_motion_feedback_t *)expected;
+        return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
+            && one->speed == other->speed && one->encoder == other->encoder;
+    }
+    case 5u: {
+        const mwd_motor_v2_36_2024_11_set_torque_request_t *one = (const mwd_motor_v2_36_2024_11_set_torque_request_t *)raws;
+        const mwd_motor_v2_36_2024_11_set_torque_request_t *other = (const mwd_motor_v2_36_2024_11_set_torque_request_t *)expected;
+        return one->iq == other->iq;
+    }
+    case 6u: {
+        const mwd_motor_v2_36_2024_11_set_speed_request_t *one = (const mwd_motor_v2_36_2024_11_set_speed_request_t *)raws;
+        const mwd_motor_v2_36_2024_11_set_speed_request_t *other = (const mwd_motor_v2_36_2024_11_set_speed_request_t *)expected;
+        return one->iq_limit == other->iq_limit && one->speed == other->speed;
+    }
+    case 7u: {
+        const mwd_motor_v2_36_2024_11_move_to_angle_request_t *one = (const mwd_motor_v2_36_2024_11_move_to_angle_request_t *)raws;
+        const mwd_motor_v2_36_2024_11_move_to_angle_request_t *other = (const mwd_motor_v2_36_2024_11_move_to_angle_request_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 8u: {
+        const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *one = (const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *other = (const mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t *)expected;
+        return one->max_speed == other->max_speed && one->angle == other->angle;
+    }
+    case 9u: {
+        const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *one = (const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *)raws;
+        const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *other = (const mwd_motor_v2_36_2024_11_turn_to_angle_request_t *)expected;
+        return one->spin_direction == other->spin_direction && one->angle == other->angle;
+    }
+    case 10u: {
+        const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *one = (const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *other = (const mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t *)expected;
+        return one->spin_direction == other->spin_direction && one->max_speed == other->max_speed
+            && one->angle == other->angle;
+    }
+    case 11u: {
+        const mwd_motor_v2_36_2024_11_move_by_angle_request_t *one = (const mwd_motor_v2_36_2024_11_move_by_angle_request_t *)raws;
+        const mwd_motor_v2_36_2024_11_move_by_angle_request_t *other = (const mwd_motor_v2_36_2024_11_move_by_angle_request_t *)expected;
+        return one->increment == other->increment;
+    }
+    case 12u: {
+        const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *one = (const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *other = (const mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t *)expected;
+        return one->max_speed == other->max_speed && one->increment == other->increment;
+    }
+    case 13u: {
+        const mwd_motor_v2_36_2024_11_pid_gains_t *one = (const mwd_motor_v2_36_2024_11_pid_gains_t *)raws;
+        const mwd_motor_v2_36_2024_11_pid_gains_t *other = (const mwd_motor_v2_36_2024_11_pid_gains_t *)expected;
+        return one->kp == other->kp && one->ki == other->ki && one->kd == other->kd;
+    }
+    case 14u: {
+        const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *one = (const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *)raws;
+        const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *other = (const mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t *)expected;
+        return one->max_torque_current == other->max_torque_current;
+    }
+    case 15u: {
+        const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *one = (const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *)raws;
+        const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *other = (const mwd_motor_v2_36_2024_11_control_parameters_max_speed_t *)expected;
+        return one->max_speed == other->max_speed;
+    }
+    case 16u: {
+        const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *one = (const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *)raws;
+        const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *other = (const mwd_motor_v2_36_2024_11_control_parameters_max_angle_t *)expected;
+        return one->max_angle == other->max_angle;
+    }
+    case 17u: {
+        const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *one = (const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *)raws;
+        const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *other = (const mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t *)expected;
+        return one->current_ramp == other->current_ramp;
+    }
+    case 18u: {
+        const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *one = (const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *)raws;
+        const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *other = (const mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t *)expected;
+        return one->speed_ramp == other->speed_ramp;
+    }
+    case 19u: {
+        const mwd_motor_v2_36_2024_11_read_encoder_reply_t *one = (const mwd_motor_v2_36_2024_11_read_encoder_reply_t *)raws;
+        const mwd_motor_v2_36_2024_11_read_encoder_reply_t *other = (const mwd_motor_v2_36_2024_11_read_encoder_reply_t *)expected;
+        return one->encoder == other->encoder && one->encoder_measured == other->encoder_measured
+            && one->encoder_offset == other->encoder_offset;
+    }
+    case 20u: {
+        const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *one = (const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *)raws;
+        const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *other = (const mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t *)expected;
+        return one->encoder_offset == other->encoder_offset;
+    }
+    case 21u: {
+        const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *one = (const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *)raws;
+        const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *other = (const mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 22u: {
+        const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *one = (const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *)raws;
+        const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *other = (const mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 23u: {
+        const mwd_motor_v2_36_2024_11_set_angle_t *one = (const mwd_motor_v2_36_2024_11_set_angle_t *)raws;
+        const mwd_motor_v2_36_2024_11_set_angle_t *other = (const mwd_motor_v2_36_2024_11_set_angle_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 24u: {
+        const mwd_motor_v2_36_2024_11_status_1_t *one = (const mwd_motor_v2_36_2024_11_status_1_t *)raws;
+        const mwd_motor_v2_36_2024_11_status_1_t *other = (const mwd_motor_v2_36_2024_11_status_1_t *)expected;
+        return one->temperature == other->temperature && one->voltage == other->voltage
+            && one->current == other->current && one->motor_state == other->motor_state
+            && one->errors == other->errors;
+    }
+    case 25u: {
+        const mwd_motor_v2_36_2024_11_read_status_3_reply_t *one = (const mwd_motor_v2_36_2024_11_read_status_3_reply_t *)raws;
+        const mwd_motor_v2_36_2024_11_read_status_3_reply_t *other = (const mwd_motor_v2_36_2024_11_read_status_3_reply_t *)expected;
+        return one->temperature == other->temperature && one->phase_a == other->phase_a
+            && one->phase_b == other->phase_b && one->phase_c == other->phase_c;
+    }
+    default:
+        return raws != expected;
+    }
+}
+
+/** Reads an entry of the table of a layout; returns the field that is rejected, 0 without. */
+CANWRIGHT_NONNULL
+static inline uint16_t mwd_motor_v2_36_2024_11_selftest_read(
+    mwd_motor_v2_36_2024_11_selftest_raws_t *raws, uint16_t layout, uint16_t index,
+    const mwd_motor_v2_36_2024_11_parameters_t *parameters)
 {
     static const mwd_motor_v2_36_2024_11_brake_request_t raws_brake_request[] CANWRIGHT_FLASH = {
         {0u},
@@ -636,1260 +583,559 @@ static inline void mwd_motor_v2_36_2024_11_selftest_message(
         {-1, 64, -64, 2},
         {26, 100, -101, 102},
     };
-    union {
-        mwd_motor_v2_36_2024_11_brake_request_t raws_brake_request;
-        mwd_motor_v2_36_2024_11_brake_reply_t raws_brake_reply;
-        mwd_motor_v2_36_2024_11_set_power_request_t raws_set_power_request;
-        mwd_motor_v2_36_2024_11_motion_feedback_t raws_motion_feedback;
-        mwd_motor_v2_36_2024_11_set_torque_request_t raws_set_torque_request;
-        mwd_motor_v2_36_2024_11_set_speed_request_t raws_set_speed_request;
-        mwd_motor_v2_36_2024_11_move_to_angle_request_t raws_move_to_angle_request;
-        mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_t raws_move_to_angle_at_speed_request;
-        mwd_motor_v2_36_2024_11_turn_to_angle_request_t raws_turn_to_angle_request;
-        mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_t raws_turn_to_angle_at_speed_request;
-        mwd_motor_v2_36_2024_11_move_by_angle_request_t raws_move_by_angle_request;
-        mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_t raws_move_by_angle_at_speed_request;
-        mwd_motor_v2_36_2024_11_pid_gains_t raws_pid_gains;
-        mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_t raws_control_parameters_max_torque_current;
-        mwd_motor_v2_36_2024_11_control_parameters_max_speed_t raws_control_parameters_max_speed;
-        mwd_motor_v2_36_2024_11_control_parameters_max_angle_t raws_control_parameters_max_angle;
-        mwd_motor_v2_36_2024_11_control_parameters_current_ramp_t raws_control_parameters_current_ramp;
-        mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_t raws_control_parameters_speed_ramp;
-        mwd_motor_v2_36_2024_11_read_encoder_reply_t raws_read_encoder_reply;
-        mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_t raws_write_position_as_zero_rom_reply;
-        mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_t raws_read_multi_turn_angle_reply;
-        mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_t raws_read_single_turn_angle_reply;
-        mwd_motor_v2_36_2024_11_set_angle_t raws_set_angle;
-        mwd_motor_v2_36_2024_11_status_1_t raws_status_1;
-        mwd_motor_v2_36_2024_11_read_status_3_reply_t raws_read_status_3_reply;
-    } wanted, found;
-    mwd_motor_v2_36_2024_11_any_request_t request;
-    mwd_motor_v2_36_2024_11_any_reply_t reply;
     mwd_motor_v2_36_2024_11_field_t field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-    result->decoded = CANWRIGHT_UNKNOWN_CODE;
-    result->same = false;
-    result->node = 0u;
-    result->encoded = CANWRIGHT_UNKNOWN_CODE;
-    result->any_same = false;
+    canwright_status_t status = CANWRIGHT_OK;
+    raws->none = 0u;
     (void)parameters;
-    switch (message) {
+switch (layout) {
+    case 1u:
+        canwright_flash_read(&raws->raws_brake_request, raws_brake_request, index, sizeof raws->raws_brake_request);
+        status = mwd_motor_v2_36_2024_11_brake_request_check(&field, &raws->raws_brake_request);
+        break;
+    case 2u:
+        canwright_flash_read(&raws->raws_brake_reply, raws_brake_reply, index, sizeof raws->raws_brake_reply);
+        status = mwd_motor_v2_36_2024_11_brake_reply_check(&field, &raws->raws_brake_reply);
+        break;
+    case 3u:
+        canwright_flash_read(&raws->raws_set_power_request, raws_set_power_request, index,
+            sizeof raws->raws_set_power_request);
+        status = mwd_motor_v2_36_2024_11_set_power_request_check(&field, &raws->raws_set_power_request);
+        break;
+    case 4u:
+        canwright_flash_read(&raws->raws_motion_feedback, raws_motion_feedback, index,
+            sizeof raws->raws_motion_feedback);
+        status = mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &raws->raws_motion_feedback, parameters);
+        break;
+    case 5u:
+        canwright_flash_read(&raws->raws_set_torque_request, raws_set_torque_request, index,
+            sizeof raws->raws_set_torque_request);
+        status = mwd_motor_v2_36_2024_11_set_torque_request_check(&field, &raws->raws_set_torque_request);
+        break;
+    case 6u:
+        canwright_flash_read(&raws->raws_set_speed_request, raws_set_speed_request, index,
+            sizeof raws->raws_set_speed_request);
+        status = mwd_motor_v2_36_2024_11_set_speed_request_check(&field, &raws->raws_set_speed_request);
+        break;
+    case 7u:
+        canwright_flash_read(&raws->raws_move_to_angle_request, raws_move_to_angle_request, index,
+            sizeof raws->raws_move_to_angle_request);
+        break;
+    case 8u:
+        canwright_flash_read(&raws->raws_move_to_angle_at_speed_request, raws_move_to_angle_at_speed_request, index,
+            sizeof raws->raws_move_to_angle_at_speed_request);
+        break;
+    case 9u:
+        canwright_flash_read(&raws->raws_turn_to_angle_request, raws_turn_to_angle_request, index,
+            sizeof raws->raws_turn_to_angle_request);
+        status = mwd_motor_v2_36_2024_11_turn_to_angle_request_check(&field, &raws->raws_turn_to_angle_request);
+        break;
+    case 10u:
+        canwright_flash_read(&raws->raws_turn_to_angle_at_speed_request, raws_turn_to_angle_at_speed_request, index,
+            sizeof raws->raws_turn_to_angle_at_speed_request);
+        status = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_check(&field,
+            &raws->raws_turn_to_angle_at_speed_request);
+        break;
+    case 11u:
+        canwright_flash_read(&raws->raws_move_by_angle_request, raws_move_by_angle_request, index,
+            sizeof raws->raws_move_by_angle_request);
+        break;
+    case 12u:
+        canwright_flash_read(&raws->raws_move_by_angle_at_speed_request, raws_move_by_angle_at_speed_request, index,
+            sizeof raws->raws_move_by_angle_at_speed_request);
+        break;
+    case 13u:
+        canwright_flash_read(&raws->raws_pid_gains, raws_pid_gains, index, sizeof raws->raws_pid_gains);
+        break;
+    case 14u:
+        canwright_flash_read(&raws->raws_control_parameters_max_torque_current,
+            raws_control_parameters_max_torque_current, index,
+            sizeof raws->raws_control_parameters_max_torque_current);
+        break;
+    case 15u:
+        canwright_flash_read(&raws->raws_control_parameters_max_speed, raws_control_parameters_max_speed, index,
+            sizeof raws->raws_control_parameters_max_speed);
+        break;
+    case 16u:
+        canwright_flash_read(&raws->raws_control_parameters_max_angle, raws_control_parameters_max_angle, index,
+            sizeof raws->raws_control_parameters_max_angle);
+        break;
+    case 17u:
+        canwright_flash_read(&raws->raws_control_parameters_current_ramp, raws_control_parameters_current_ramp, index,
+            sizeof raws->raws_control_parameters_current_ramp);
+        break;
+    case 18u:
+        canwright_flash_read(&raws->raws_control_parameters_speed_ramp, raws_control_parameters_speed_ramp, index,
+            sizeof raws->raws_control_parameters_speed_ramp);
+        break;
+    case 19u:
+        canwright_flash_read(&raws->raws_read_encoder_reply, raws_read_encoder_reply, index,
+            sizeof raws->raws_read_encoder_reply);
+        status = mwd_motor_v2_36_2024_11_read_encoder_reply_check(&field, &raws->raws_read_encoder_reply, parameters);
+        break;
+    case 20u:
+        canwright_flash_read(&raws->raws_write_position_as_zero_rom_reply, raws_write_position_as_zero_rom_reply,
+            index, sizeof raws->raws_write_position_as_zero_rom_reply);
+        status = mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_check(&field,
+            &raws->raws_write_position_as_zero_rom_reply, parameters);
+        break;
+    case 21u:
+        canwright_flash_read(&raws->raws_read_multi_turn_angle_reply, raws_read_multi_turn_angle_reply, index,
+            sizeof raws->raws_read_multi_turn_angle_reply);
+        status = mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_check(&field,
+            &raws->raws_read_multi_turn_angle_reply);
+        break;
+    case 22u:
+        canwright_flash_read(&raws->raws_read_single_turn_angle_reply, raws_read_single_turn_angle_reply, index,
+            sizeof raws->raws_read_single_turn_angle_reply);
+        status = mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_check(&field,
+            &raws->raws_read_single_turn_angle_reply, parameters);
+        break;
+    case 23u:
+        canwright_flash_read(&raws->raws_set_angle, raws_set_angle, index, sizeof raws->raws_set_angle);
+        break;
+    case 24u:
+        canwright_flash_read(&raws->raws_status_1, raws_status_1, index, sizeof raws->raws_status_1);
+        status = mwd_motor_v2_36_2024_11_status_1_check(&field, &raws->raws_status_1);
+        break;
+    case 25u:
+        canwright_flash_read(&raws->raws_read_status_3_reply, raws_read_status_3_reply, index,
+            sizeof raws->raws_read_status_3_reply);
+        break;
+    default:
+        (void)index;
+        break;
+    }
+    return (status == CANWRIGHT_OK) ? 0u : (uint16_t)field;
+}
+
+/** Decodes a frame as one message, and encodes the message with raw integers. */
+CANWRIGHT_NONNULL
+static inline void mwd_motor_v2_36_2024_11_selftest_message(
+    mwd_motor_v2_36_2024_11_selftest_t *result, const canwright_frame_t *frame, uint16_t message, uint32_t node,
+    const mwd_motor_v2_36_2024_11_selftest_raws_t *raws, const mwd_motor_v2_36_2024_11_parameters_t *parameters)
+{
+    result->node = 0u;
+    (void)node;
+    (void)raws;
+    (void)parameters;
+switch (message) {
     case 0u: /* request of motor_off */
         result->decoded = mwd_motor_v2_36_2024_11_motor_off_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_motor_off_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF
-                && request.node == result->node;
-        }
         break;
     case 1u: /* reply of motor_off */
         result->decoded = mwd_motor_v2_36_2024_11_motor_off_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_motor_off_reply_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF
-                && reply.node == result->node;
-        }
         break;
     case 2u: /* request of motor_on */
         result->decoded = mwd_motor_v2_36_2024_11_motor_on_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_motor_on_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON
-                && request.node == result->node;
-        }
         break;
     case 3u: /* reply of motor_on */
         result->decoded = mwd_motor_v2_36_2024_11_motor_on_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_motor_on_reply_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON
-                && reply.node == result->node;
-        }
         break;
     case 4u: /* request of motor_stop */
         result->decoded = mwd_motor_v2_36_2024_11_motor_stop_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_motor_stop_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP
-                && request.node == result->node;
-        }
         break;
     case 5u: /* reply of motor_stop */
         result->decoded = mwd_motor_v2_36_2024_11_motor_stop_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_motor_stop_reply_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP
-                && reply.node == result->node;
-        }
         break;
     case 6u: /* request of brake */
-        canwright_flash_read(&wanted.raws_brake_request, raws_brake_request, raws, sizeof wanted.raws_brake_request);
-        result->decoded = mwd_motor_v2_36_2024_11_brake_request_decode(&found.raws_brake_request, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_brake_request_matches(&found.raws_brake_request,
-                &wanted.raws_brake_request);
-        }
-        if (mwd_motor_v2_36_2024_11_brake_request_check(&field, &wanted.raws_brake_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2024_11_brake_request_decode(&result->raws.raws_brake_request,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_36_2024_11_brake_request_encode(&result->written, node,
-            &wanted.raws_brake_request);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE
-                && request.node == result->node && mwd_motor_v2_36_2024_11_brake_request_matches(&request.as.brake,
-                &wanted.raws_brake_request);
-        }
+            &raws->raws_brake_request);
         break;
     case 7u: /* reply of brake */
-        canwright_flash_read(&wanted.raws_brake_reply, raws_brake_reply, raws, sizeof wanted.raws_brake_reply);
-        result->decoded = mwd_motor_v2_36_2024_11_brake_reply_decode(&found.raws_brake_reply, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_brake_reply_matches(&found.raws_brake_reply,
-                &wanted.raws_brake_reply);
-        }
-        if (mwd_motor_v2_36_2024_11_brake_reply_check(&field, &wanted.raws_brake_reply) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
-        result->encoded = mwd_motor_v2_36_2024_11_brake_reply_encode(&result->written, node,
-            &wanted.raws_brake_reply);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_brake_reply_matches(&reply.as.brake, &wanted.raws_brake_reply);
-        }
+        result->decoded = mwd_motor_v2_36_2024_11_brake_reply_decode(&result->raws.raws_brake_reply, &result->node,
+            frame);
+        result->encoded = mwd_motor_v2_36_2024_11_brake_reply_encode(&result->written, node, &raws->raws_brake_reply);
         break;
     case 8u: /* request of set_power */
-        canwright_flash_read(&wanted.raws_set_power_request, raws_set_power_request, raws,
-            sizeof wanted.raws_set_power_request);
-        result->decoded = mwd_motor_v2_36_2024_11_set_power_request_decode(&found.raws_set_power_request,
+        result->decoded = mwd_motor_v2_36_2024_11_set_power_request_decode(&result->raws.raws_set_power_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_set_power_request_matches(&found.raws_set_power_request,
-                &wanted.raws_set_power_request);
-        }
-        if (mwd_motor_v2_36_2024_11_set_power_request_check(&field, &wanted.raws_set_power_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_power_request_encode(&result->written, node,
-            &wanted.raws_set_power_request, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_set_power_request_matches(&request.as.set_power,
-                &wanted.raws_set_power_request);
-        }
+            &raws->raws_set_power_request, parameters);
         break;
     case 9u: /* reply of set_power */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2024_11_set_power_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2024_11_set_power_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_36_2024_11_set_power_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.set_power,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 10u: /* request of set_torque */
-        canwright_flash_read(&wanted.raws_set_torque_request, raws_set_torque_request, raws,
-            sizeof wanted.raws_set_torque_request);
-        result->decoded = mwd_motor_v2_36_2024_11_set_torque_request_decode(&found.raws_set_torque_request,
+        result->decoded = mwd_motor_v2_36_2024_11_set_torque_request_decode(&result->raws.raws_set_torque_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_set_torque_request_matches(&found.raws_set_torque_request,
-                &wanted.raws_set_torque_request);
-        }
-        if (mwd_motor_v2_36_2024_11_set_torque_request_check(&field,
-            &wanted.raws_set_torque_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_torque_request_encode(&result->written, node,
-            &wanted.raws_set_torque_request, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_set_torque_request_matches(&request.as.set_torque,
-                &wanted.raws_set_torque_request);
-        }
+            &raws->raws_set_torque_request, parameters);
         break;
     case 11u: /* reply of set_torque */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2024_11_set_torque_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2024_11_set_torque_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_36_2024_11_set_torque_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.set_torque,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 12u: /* request of set_speed */
-        canwright_flash_read(&wanted.raws_set_speed_request, raws_set_speed_request, raws,
-            sizeof wanted.raws_set_speed_request);
-        result->decoded = mwd_motor_v2_36_2024_11_set_speed_request_decode(&found.raws_set_speed_request,
+        result->decoded = mwd_motor_v2_36_2024_11_set_speed_request_decode(&result->raws.raws_set_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_set_speed_request_matches(&found.raws_set_speed_request,
-                &wanted.raws_set_speed_request);
-        }
-        if (mwd_motor_v2_36_2024_11_set_speed_request_check(&field, &wanted.raws_set_speed_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_speed_request_encode(&result->written, node,
-            &wanted.raws_set_speed_request);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_set_speed_request_matches(&request.as.set_speed,
-                &wanted.raws_set_speed_request);
-        }
+            &raws->raws_set_speed_request);
         break;
     case 13u: /* reply of set_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2024_11_set_speed_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2024_11_set_speed_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_36_2024_11_set_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.set_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 14u: /* request of move_to_angle */
-        canwright_flash_read(&wanted.raws_move_to_angle_request, raws_move_to_angle_request, raws,
-            sizeof wanted.raws_move_to_angle_request);
-        result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_request_decode(&found.raws_move_to_angle_request,
+        result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_request_decode(&result->raws.raws_move_to_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_move_to_angle_request_matches(&found.raws_move_to_angle_request,
-                &wanted.raws_move_to_angle_request);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_move_to_angle_request_encode(&result->written, node,
-            &wanted.raws_move_to_angle_request);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_move_to_angle_request_matches(&request.as.move_to_angle,
-                &wanted.raws_move_to_angle_request);
-        }
+            &raws->raws_move_to_angle_request);
         break;
     case 15u: /* reply of move_to_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_move_to_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.move_to_angle,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 16u: /* request of move_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_move_to_angle_at_speed_request, raws_move_to_angle_at_speed_request, raws,
-            sizeof wanted.raws_move_to_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_decode(&found.raws_move_to_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_decode(&result->raws.raws_move_to_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_matches(&found.raws_move_to_angle_at_speed_request,
-                &wanted.raws_move_to_angle_at_speed_request);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_move_to_angle_at_speed_request);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_move_to_angle_at_speed_request_matches(&request.as.move_to_angle_at_speed,
-                &wanted.raws_move_to_angle_at_speed_request);
-        }
+            &raws->raws_move_to_angle_at_speed_request);
         break;
     case 17u: /* reply of move_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_move_to_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.move_to_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 18u: /* request of turn_to_angle */
-        canwright_flash_read(&wanted.raws_turn_to_angle_request, raws_turn_to_angle_request, raws,
-            sizeof wanted.raws_turn_to_angle_request);
-        result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_request_decode(&found.raws_turn_to_angle_request,
+        result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_request_decode(&result->raws.raws_turn_to_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_turn_to_angle_request_matches(&found.raws_turn_to_angle_request,
-                &wanted.raws_turn_to_angle_request);
-        }
-        if (mwd_motor_v2_36_2024_11_turn_to_angle_request_check(&field,
-            &wanted.raws_turn_to_angle_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_turn_to_angle_request_encode(&result->written, node,
-            &wanted.raws_turn_to_angle_request);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_turn_to_angle_request_matches(&request.as.turn_to_angle,
-                &wanted.raws_turn_to_angle_request);
-        }
+            &raws->raws_turn_to_angle_request);
         break;
     case 19u: /* reply of turn_to_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_turn_to_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.turn_to_angle,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 20u: /* request of turn_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_turn_to_angle_at_speed_request, raws_turn_to_angle_at_speed_request, raws,
-            sizeof wanted.raws_turn_to_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_decode(&found.raws_turn_to_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_decode(&result->raws.raws_turn_to_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_matches(&found.raws_turn_to_angle_at_speed_request,
-                &wanted.raws_turn_to_angle_at_speed_request);
-        }
-        if (mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_check(&field,
-            &wanted.raws_turn_to_angle_at_speed_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_turn_to_angle_at_speed_request);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_request_matches(&request.as.turn_to_angle_at_speed,
-                &wanted.raws_turn_to_angle_at_speed_request);
-        }
+            &raws->raws_turn_to_angle_at_speed_request);
         break;
     case 21u: /* reply of turn_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_turn_to_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.turn_to_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 22u: /* request of move_by_angle */
-        canwright_flash_read(&wanted.raws_move_by_angle_request, raws_move_by_angle_request, raws,
-            sizeof wanted.raws_move_by_angle_request);
-        result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_request_decode(&found.raws_move_by_angle_request,
+        result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_request_decode(&result->raws.raws_move_by_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_move_by_angle_request_matches(&found.raws_move_by_angle_request,
-                &wanted.raws_move_by_angle_request);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_move_by_angle_request_encode(&result->written, node,
-            &wanted.raws_move_by_angle_request);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_move_by_angle_request_matches(&request.as.move_by_angle,
-                &wanted.raws_move_by_angle_request);
-        }
+            &raws->raws_move_by_angle_request);
         break;
     case 23u: /* reply of move_by_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_move_by_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.move_by_angle,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 24u: /* request of move_by_angle_at_speed */
-        canwright_flash_read(&wanted.raws_move_by_angle_at_speed_request, raws_move_by_angle_at_speed_request, raws,
-            sizeof wanted.raws_move_by_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_decode(&found.raws_move_by_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_decode(&result->raws.raws_move_by_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_matches(&found.raws_move_by_angle_at_speed_request,
-                &wanted.raws_move_by_angle_at_speed_request);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_move_by_angle_at_speed_request);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_move_by_angle_at_speed_request_matches(&request.as.move_by_angle_at_speed,
-                &wanted.raws_move_by_angle_at_speed_request);
-        }
+            &raws->raws_move_by_angle_at_speed_request);
         break;
     case 25u: /* reply of move_by_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_move_by_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.move_by_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 26u: /* request of read_control_parameter_angle_pid */
         result->decoded = mwd_motor_v2_36_2024_11_read_param_angle_pid_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_param_angle_pid_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID
-                && request.node == result->node;
-        }
         break;
     case 27u: /* reply of read_control_parameter_angle_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2024_11_read_param_angle_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2024_11_read_param_angle_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_angle_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.read_param_angle_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 28u: /* request of read_control_parameter_speed_pid */
         result->decoded = mwd_motor_v2_36_2024_11_read_param_speed_pid_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_param_speed_pid_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID
-                && request.node == result->node;
-        }
         break;
     case 29u: /* reply of read_control_parameter_speed_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2024_11_read_param_speed_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2024_11_read_param_speed_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_speed_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.read_param_speed_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 30u: /* request of read_control_parameter_current_pid */
         result->decoded = mwd_motor_v2_36_2024_11_read_param_current_pid_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_param_current_pid_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID
-                && request.node == result->node;
-        }
         break;
     case 31u: /* reply of read_control_parameter_current_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2024_11_read_param_current_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2024_11_read_param_current_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_current_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.read_param_current_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 32u: /* request of read_control_parameter_max_torque_current */
         result->decoded = mwd_motor_v2_36_2024_11_read_param_max_torque_current_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_param_max_torque_current_request_encode(&result->written,
             node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT
-                && request.node == result->node;
-        }
         break;
     case 33u: /* reply of read_control_parameter_max_torque_current */
-        canwright_flash_read(&wanted.raws_control_parameters_max_torque_current,
-            raws_control_parameters_max_torque_current, raws,
-            sizeof wanted.raws_control_parameters_max_torque_current);
-        result->decoded = mwd_motor_v2_36_2024_11_read_param_max_torque_current_reply_decode(&found.raws_control_parameters_max_torque_current,
+        result->decoded = mwd_motor_v2_36_2024_11_read_param_max_torque_current_reply_decode(&result->raws.raws_control_parameters_max_torque_current,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_max_torque_current_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_torque_current);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&reply.as.read_param_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
+            &raws->raws_control_parameters_max_torque_current);
         break;
     case 34u: /* request of read_control_parameter_max_speed */
         result->decoded = mwd_motor_v2_36_2024_11_read_param_max_speed_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_param_max_speed_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED
-                && request.node == result->node;
-        }
         break;
     case 35u: /* reply of read_control_parameter_max_speed */
-        canwright_flash_read(&wanted.raws_control_parameters_max_speed, raws_control_parameters_max_speed, raws,
-            sizeof wanted.raws_control_parameters_max_speed);
-        result->decoded = mwd_motor_v2_36_2024_11_read_param_max_speed_reply_decode(&found.raws_control_parameters_max_speed,
+        result->decoded = mwd_motor_v2_36_2024_11_read_param_max_speed_reply_decode(&result->raws.raws_control_parameters_max_speed,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_max_speed_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_speed);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&reply.as.read_param_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
+            &raws->raws_control_parameters_max_speed);
         break;
     case 36u: /* request of read_control_parameter_max_angle */
         result->decoded = mwd_motor_v2_36_2024_11_read_param_max_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_param_max_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 37u: /* reply of read_control_parameter_max_angle */
-        canwright_flash_read(&wanted.raws_control_parameters_max_angle, raws_control_parameters_max_angle, raws,
-            sizeof wanted.raws_control_parameters_max_angle);
-        result->decoded = mwd_motor_v2_36_2024_11_read_param_max_angle_reply_decode(&found.raws_control_parameters_max_angle,
+        result->decoded = mwd_motor_v2_36_2024_11_read_param_max_angle_reply_decode(&result->raws.raws_control_parameters_max_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&found.raws_control_parameters_max_angle,
-                &wanted.raws_control_parameters_max_angle);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_max_angle_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_angle);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&reply.as.read_param_max_angle,
-                &wanted.raws_control_parameters_max_angle);
-        }
+            &raws->raws_control_parameters_max_angle);
         break;
     case 38u: /* request of read_control_parameter_current_ramp */
         result->decoded = mwd_motor_v2_36_2024_11_read_param_current_ramp_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_param_current_ramp_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP
-                && request.node == result->node;
-        }
         break;
     case 39u: /* reply of read_control_parameter_current_ramp */
-        canwright_flash_read(&wanted.raws_control_parameters_current_ramp, raws_control_parameters_current_ramp, raws,
-            sizeof wanted.raws_control_parameters_current_ramp);
-        result->decoded = mwd_motor_v2_36_2024_11_read_param_current_ramp_reply_decode(&found.raws_control_parameters_current_ramp,
+        result->decoded = mwd_motor_v2_36_2024_11_read_param_current_ramp_reply_decode(&result->raws.raws_control_parameters_current_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&found.raws_control_parameters_current_ramp,
-                &wanted.raws_control_parameters_current_ramp);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_current_ramp_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_current_ramp);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&reply.as.read_param_current_ramp,
-                &wanted.raws_control_parameters_current_ramp);
-        }
+            &raws->raws_control_parameters_current_ramp);
         break;
     case 40u: /* request of read_control_parameter_speed_ramp */
         result->decoded = mwd_motor_v2_36_2024_11_read_param_speed_ramp_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_param_speed_ramp_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP
-                && request.node == result->node;
-        }
         break;
     case 41u: /* reply of read_control_parameter_speed_ramp */
-        canwright_flash_read(&wanted.raws_control_parameters_speed_ramp, raws_control_parameters_speed_ramp, raws,
-            sizeof wanted.raws_control_parameters_speed_ramp);
-        result->decoded = mwd_motor_v2_36_2024_11_read_param_speed_ramp_reply_decode(&found.raws_control_parameters_speed_ramp,
+        result->decoded = mwd_motor_v2_36_2024_11_read_param_speed_ramp_reply_decode(&result->raws.raws_control_parameters_speed_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_param_speed_ramp_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_speed_ramp);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&reply.as.read_param_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
+            &raws->raws_control_parameters_speed_ramp);
         break;
     case 42u: /* request of write_control_parameter_ram_angle_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_angle_pid_request_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_angle_pid_request_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_angle_pid_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_matches(&request.as.set_param_angle_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 43u: /* reply of write_control_parameter_ram_angle_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_angle_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_angle_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_angle_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.set_param_angle_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 44u: /* request of write_control_parameter_ram_speed_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_pid_request_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_pid_request_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_speed_pid_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_matches(&request.as.set_param_speed_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 45u: /* reply of write_control_parameter_ram_speed_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_speed_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.set_param_speed_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 46u: /* request of write_control_parameter_ram_current_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_current_pid_request_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_current_pid_request_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_current_pid_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_matches(&request.as.set_param_current_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 47u: /* reply of write_control_parameter_ram_current_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_current_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_current_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_current_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_pid_gains_matches(&reply.as.set_param_current_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 48u: /* request of write_control_parameter_ram_max_torque_current */
-        canwright_flash_read(&wanted.raws_control_parameters_max_torque_current,
-            raws_control_parameters_max_torque_current, raws,
-            sizeof wanted.raws_control_parameters_max_torque_current);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_torque_current_request_decode(&found.raws_control_parameters_max_torque_current,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_torque_current_request_decode(&result->raws.raws_control_parameters_max_torque_current,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_torque_current_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_torque_current);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&request.as.set_param_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
+            &raws->raws_control_parameters_max_torque_current);
         break;
     case 49u: /* reply of write_control_parameter_ram_max_torque_current */
-        canwright_flash_read(&wanted.raws_control_parameters_max_torque_current,
-            raws_control_parameters_max_torque_current, raws,
-            sizeof wanted.raws_control_parameters_max_torque_current);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_torque_current_reply_decode(&found.raws_control_parameters_max_torque_current,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_torque_current_reply_decode(&result->raws.raws_control_parameters_max_torque_current,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_torque_current_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_torque_current);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_torque_current_matches(&reply.as.set_param_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
+            &raws->raws_control_parameters_max_torque_current);
         break;
     case 50u: /* request of write_control_parameter_ram_max_speed */
-        canwright_flash_read(&wanted.raws_control_parameters_max_speed, raws_control_parameters_max_speed, raws,
-            sizeof wanted.raws_control_parameters_max_speed);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_speed_request_decode(&found.raws_control_parameters_max_speed,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_speed_request_decode(&result->raws.raws_control_parameters_max_speed,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_speed_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_speed);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&request.as.set_param_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
+            &raws->raws_control_parameters_max_speed);
         break;
     case 51u: /* reply of write_control_parameter_ram_max_speed */
-        canwright_flash_read(&wanted.raws_control_parameters_max_speed, raws_control_parameters_max_speed, raws,
-            sizeof wanted.raws_control_parameters_max_speed);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_speed_reply_decode(&found.raws_control_parameters_max_speed,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_speed_reply_decode(&result->raws.raws_control_parameters_max_speed,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_speed_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_speed);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_speed_matches(&reply.as.set_param_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
+            &raws->raws_control_parameters_max_speed);
         break;
     case 52u: /* request of write_control_parameter_ram_max_angle */
-        canwright_flash_read(&wanted.raws_control_parameters_max_angle, raws_control_parameters_max_angle, raws,
-            sizeof wanted.raws_control_parameters_max_angle);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_angle_request_decode(&found.raws_control_parameters_max_angle,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_angle_request_decode(&result->raws.raws_control_parameters_max_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&found.raws_control_parameters_max_angle,
-                &wanted.raws_control_parameters_max_angle);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_angle_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_angle);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&request.as.set_param_max_angle,
-                &wanted.raws_control_parameters_max_angle);
-        }
+            &raws->raws_control_parameters_max_angle);
         break;
     case 53u: /* reply of write_control_parameter_ram_max_angle */
-        canwright_flash_read(&wanted.raws_control_parameters_max_angle, raws_control_parameters_max_angle, raws,
-            sizeof wanted.raws_control_parameters_max_angle);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_angle_reply_decode(&found.raws_control_parameters_max_angle,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_max_angle_reply_decode(&result->raws.raws_control_parameters_max_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&found.raws_control_parameters_max_angle,
-                &wanted.raws_control_parameters_max_angle);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_max_angle_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_angle);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_max_angle_matches(&reply.as.set_param_max_angle,
-                &wanted.raws_control_parameters_max_angle);
-        }
+            &raws->raws_control_parameters_max_angle);
         break;
     case 54u: /* request of write_control_parameter_ram_current_ramp */
-        canwright_flash_read(&wanted.raws_control_parameters_current_ramp, raws_control_parameters_current_ramp, raws,
-            sizeof wanted.raws_control_parameters_current_ramp);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_current_ramp_request_decode(&found.raws_control_parameters_current_ramp,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_current_ramp_request_decode(&result->raws.raws_control_parameters_current_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&found.raws_control_parameters_current_ramp,
-                &wanted.raws_control_parameters_current_ramp);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_current_ramp_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_current_ramp);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&request.as.set_param_current_ramp,
-                &wanted.raws_control_parameters_current_ramp);
-        }
+            &raws->raws_control_parameters_current_ramp);
         break;
     case 55u: /* reply of write_control_parameter_ram_current_ramp */
-        canwright_flash_read(&wanted.raws_control_parameters_current_ramp, raws_control_parameters_current_ramp, raws,
-            sizeof wanted.raws_control_parameters_current_ramp);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_current_ramp_reply_decode(&found.raws_control_parameters_current_ramp,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_current_ramp_reply_decode(&result->raws.raws_control_parameters_current_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&found.raws_control_parameters_current_ramp,
-                &wanted.raws_control_parameters_current_ramp);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_current_ramp_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_current_ramp);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_current_ramp_matches(&reply.as.set_param_current_ramp,
-                &wanted.raws_control_parameters_current_ramp);
-        }
+            &raws->raws_control_parameters_current_ramp);
         break;
     case 56u: /* request of write_control_parameter_ram_speed_ramp */
-        canwright_flash_read(&wanted.raws_control_parameters_speed_ramp, raws_control_parameters_speed_ramp, raws,
-            sizeof wanted.raws_control_parameters_speed_ramp);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_ramp_request_decode(&found.raws_control_parameters_speed_ramp,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_ramp_request_decode(&result->raws.raws_control_parameters_speed_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_speed_ramp_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_speed_ramp);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP
-                && request.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&request.as.set_param_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
+            &raws->raws_control_parameters_speed_ramp);
         break;
     case 57u: /* reply of write_control_parameter_ram_speed_ramp */
-        canwright_flash_read(&wanted.raws_control_parameters_speed_ramp, raws_control_parameters_speed_ramp, raws,
-            sizeof wanted.raws_control_parameters_speed_ramp);
-        result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_ramp_reply_decode(&found.raws_control_parameters_speed_ramp,
+        result->decoded = mwd_motor_v2_36_2024_11_set_param_speed_ramp_reply_decode(&result->raws.raws_control_parameters_speed_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_set_param_speed_ramp_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_speed_ramp);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_control_parameters_speed_ramp_matches(&reply.as.set_param_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
+            &raws->raws_control_parameters_speed_ramp);
         break;
     case 58u: /* request of read_encoder */
         result->decoded = mwd_motor_v2_36_2024_11_read_encoder_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_encoder_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER
-                && request.node == result->node;
-        }
         break;
     case 59u: /* reply of read_encoder */
-        canwright_flash_read(&wanted.raws_read_encoder_reply, raws_read_encoder_reply, raws,
-            sizeof wanted.raws_read_encoder_reply);
-        result->decoded = mwd_motor_v2_36_2024_11_read_encoder_reply_decode(&found.raws_read_encoder_reply,
+        result->decoded = mwd_motor_v2_36_2024_11_read_encoder_reply_decode(&result->raws.raws_read_encoder_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_read_encoder_reply_matches(&found.raws_read_encoder_reply,
-                &wanted.raws_read_encoder_reply);
-        }
-        if (mwd_motor_v2_36_2024_11_read_encoder_reply_check(&field, &wanted.raws_read_encoder_reply,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_encoder_reply_encode(&result->written, node,
-            &wanted.raws_read_encoder_reply, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_read_encoder_reply_matches(&reply.as.read_encoder,
-                &wanted.raws_read_encoder_reply);
-        }
+            &raws->raws_read_encoder_reply, parameters);
         break;
     case 60u: /* request of write_position_as_zero_rom */
         result->decoded = mwd_motor_v2_36_2024_11_write_position_as_zero_rom_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_write_position_as_zero_rom_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM
-                && request.node == result->node;
-        }
         break;
     case 61u: /* reply of write_position_as_zero_rom */
-        canwright_flash_read(&wanted.raws_write_position_as_zero_rom_reply, raws_write_position_as_zero_rom_reply,
-            raws, sizeof wanted.raws_write_position_as_zero_rom_reply);
-        result->decoded = mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_decode(&found.raws_write_position_as_zero_rom_reply,
+        result->decoded = mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_decode(&result->raws.raws_write_position_as_zero_rom_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_matches(&found.raws_write_position_as_zero_rom_reply,
-                &wanted.raws_write_position_as_zero_rom_reply);
-        }
-        if (mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_check(&field,
-            &wanted.raws_write_position_as_zero_rom_reply, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_encode(&result->written, node,
-            &wanted.raws_write_position_as_zero_rom_reply, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_write_position_as_zero_rom_reply_matches(&reply.as.write_position_as_zero_rom,
-                &wanted.raws_write_position_as_zero_rom_reply);
-        }
+            &raws->raws_write_position_as_zero_rom_reply, parameters);
         break;
     case 62u: /* request of read_multi_turn_angle */
         result->decoded = mwd_motor_v2_36_2024_11_read_multi_turn_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_multi_turn_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 63u: /* reply of read_multi_turn_angle */
-        canwright_flash_read(&wanted.raws_read_multi_turn_angle_reply, raws_read_multi_turn_angle_reply, raws,
-            sizeof wanted.raws_read_multi_turn_angle_reply);
-        result->decoded = mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_decode(&found.raws_read_multi_turn_angle_reply,
+        result->decoded = mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_decode(&result->raws.raws_read_multi_turn_angle_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_matches(&found.raws_read_multi_turn_angle_reply,
-                &wanted.raws_read_multi_turn_angle_reply);
-        }
-        if (mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_check(&field,
-            &wanted.raws_read_multi_turn_angle_reply) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_encode(&result->written, node,
-            &wanted.raws_read_multi_turn_angle_reply);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_read_multi_turn_angle_reply_matches(&reply.as.read_multi_turn_angle,
-                &wanted.raws_read_multi_turn_angle_reply);
-        }
+            &raws->raws_read_multi_turn_angle_reply);
         break;
     case 64u: /* request of read_single_turn_angle */
         result->decoded = mwd_motor_v2_36_2024_11_read_single_turn_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_single_turn_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 65u: /* reply of read_single_turn_angle */
-        canwright_flash_read(&wanted.raws_read_single_turn_angle_reply, raws_read_single_turn_angle_reply, raws,
-            sizeof wanted.raws_read_single_turn_angle_reply);
-        result->decoded = mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_decode(&found.raws_read_single_turn_angle_reply,
+        result->decoded = mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_decode(&result->raws.raws_read_single_turn_angle_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_matches(&found.raws_read_single_turn_angle_reply,
-                &wanted.raws_read_single_turn_angle_reply);
-        }
-        if (mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_check(&field,
-            &wanted.raws_read_single_turn_angle_reply, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_encode(&result->written, node,
-            &wanted.raws_read_single_turn_angle_reply, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_read_single_turn_angle_reply_matches(&reply.as.read_single_turn_angle,
-                &wanted.raws_read_single_turn_angle_reply);
-        }
+            &raws->raws_read_single_turn_angle_reply, parameters);
         break;
     case 66u: /* request of set_angle */
-        canwright_flash_read(&wanted.raws_set_angle, raws_set_angle, raws, sizeof wanted.raws_set_angle);
-        result->decoded = mwd_motor_v2_36_2024_11_set_angle_request_decode(&found.raws_set_angle, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_set_angle_matches(&found.raws_set_angle, &wanted.raws_set_angle);
-        }
+        result->decoded = mwd_motor_v2_36_2024_11_set_angle_request_decode(&result->raws.raws_set_angle,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_36_2024_11_set_angle_request_encode(&result->written, node,
-            &wanted.raws_set_angle);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE
-                && request.node == result->node && mwd_motor_v2_36_2024_11_set_angle_matches(&request.as.set_angle,
-                &wanted.raws_set_angle);
-        }
+            &raws->raws_set_angle);
         break;
     case 67u: /* reply of set_angle */
-        canwright_flash_read(&wanted.raws_set_angle, raws_set_angle, raws, sizeof wanted.raws_set_angle);
-        result->decoded = mwd_motor_v2_36_2024_11_set_angle_reply_decode(&found.raws_set_angle, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_set_angle_matches(&found.raws_set_angle, &wanted.raws_set_angle);
-        }
+        result->decoded = mwd_motor_v2_36_2024_11_set_angle_reply_decode(&result->raws.raws_set_angle, &result->node,
+            frame);
         result->encoded = mwd_motor_v2_36_2024_11_set_angle_reply_encode(&result->written, node,
-            &wanted.raws_set_angle);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_set_angle_matches(&reply.as.set_angle,
-                &wanted.raws_set_angle);
-        }
+            &raws->raws_set_angle);
         break;
     case 68u: /* request of read_status_1 */
         result->decoded = mwd_motor_v2_36_2024_11_read_status_1_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_status_1_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1
-                && request.node == result->node;
-        }
         break;
     case 69u: /* reply of read_status_1 */
-        canwright_flash_read(&wanted.raws_status_1, raws_status_1, raws, sizeof wanted.raws_status_1);
-        result->decoded = mwd_motor_v2_36_2024_11_read_status_1_reply_decode(&found.raws_status_1, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
-        }
-        if (mwd_motor_v2_36_2024_11_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2024_11_read_status_1_reply_decode(&result->raws.raws_status_1,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_36_2024_11_read_status_1_reply_encode(&result->written, node,
-            &wanted.raws_status_1);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_status_1_matches(&reply.as.read_status_1,
-                &wanted.raws_status_1);
-        }
+            &raws->raws_status_1);
         break;
     case 70u: /* request of clear_errors */
         result->decoded = mwd_motor_v2_36_2024_11_clear_errors_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_clear_errors_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS
-                && request.node == result->node;
-        }
         break;
     case 71u: /* reply of clear_errors */
-        canwright_flash_read(&wanted.raws_status_1, raws_status_1, raws, sizeof wanted.raws_status_1);
-        result->decoded = mwd_motor_v2_36_2024_11_clear_errors_reply_decode(&found.raws_status_1, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
-        }
-        if (mwd_motor_v2_36_2024_11_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2024_11_clear_errors_reply_decode(&result->raws.raws_status_1,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_36_2024_11_clear_errors_reply_encode(&result->written, node,
-            &wanted.raws_status_1);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS
-                && reply.node == result->node && mwd_motor_v2_36_2024_11_status_1_matches(&reply.as.clear_errors,
-                &wanted.raws_status_1);
-        }
+            &raws->raws_status_1);
         break;
     case 72u: /* request of read_status_2 */
         result->decoded = mwd_motor_v2_36_2024_11_read_status_2_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_status_2_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2
-                && request.node == result->node;
-        }
         break;
     case 73u: /* reply of read_status_2 */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2024_11_read_status_2_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2024_11_read_status_2_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2024_11_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2024_11_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_status_2_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_motion_feedback_matches(&reply.as.read_status_2,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 74u: /* request of read_status_3 */
         result->decoded = mwd_motor_v2_36_2024_11_read_status_3_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2024_11_read_status_3_request_encode(&result->written, node, parameters);
-        if (mwd_motor_v2_36_2024_11_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3
-                && request.node == result->node;
-        }
         break;
     case 75u: /* reply of read_status_3 */
-        canwright_flash_read(&wanted.raws_read_status_3_reply, raws_read_status_3_reply, raws,
-            sizeof wanted.raws_read_status_3_reply);
-        result->decoded = mwd_motor_v2_36_2024_11_read_status_3_reply_decode(&found.raws_read_status_3_reply,
+        result->decoded = mwd_motor_v2_36_2024_11_read_status_3_reply_decode(&result->raws.raws_read_status_3_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2024_11_read_status_3_reply_matches(&found.raws_read_status_3_reply,
-                &wanted.raws_read_status_3_reply);
-        }
         result->encoded = mwd_motor_v2_36_2024_11_read_status_3_reply_encode(&result->written, node,
-            &wanted.raws_read_status_3_reply);
-        if (mwd_motor_v2_36_2024_11_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3
-                && reply.node == result->node
-                && mwd_motor_v2_36_2024_11_read_status_3_reply_matches(&reply.as.read_status_3,
-                &wanted.raws_read_status_3_reply);
-        }
+            &raws->raws_read_status_3_reply);
         break;
     default:
+        result->decoded = CANWRIGHT_UNKNOWN_CODE;
+        result->encoded = CANWRIGHT_UNKNOWN_CODE;
         break;
     }
-    result->field = (uint16_t)field;
 }
 
 /** Runs the self-test; `result` describes the first case that failed. Returns the number of cases that failed. */
@@ -1921,2521 +1167,1445 @@ static inline uint16_t mwd_motor_v2_36_2024_11_selftest(canwright_selftest_t *re
         {MWD_MOTOR_V2_36_2024_11_SERIES_UNKNOWN, MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_UNKNOWN, {1, 1u}},
         {MWD_MOTOR_V2_36_2024_11_SERIES_UNKNOWN, MWD_MOTOR_V2_36_2024_11_ENCODER_BITS_UNKNOWN, {6, 1u}},
     };
-    static const canwright_golden_t frames[] CANWRIGHT_FLASH = {
-        /* 1: request of motor_off */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 2: request of motor_off */
-        {{0x160u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 3: request of motor_off */
-        {{0x141u, {0x80u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 4: reply of motor_off */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 1u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 5: reply of motor_off */
-        {{0x194u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 1u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 6: reply of motor_off */
-        {{0x1A0u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 1u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 7: request of motor_on */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 8: request of motor_on */
-        {{0x160u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 9: request of motor_on */
-        {{0x141u, {0x88u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 10: reply of motor_on */
-        {{0x181u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 3u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 11: reply of motor_on */
-        {{0x194u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 3u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 12: reply of motor_on */
-        {{0x1A0u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 3u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 13: request of motor_stop */
-        {{0x141u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 14: request of motor_stop */
-        {{0x160u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 15: request of motor_stop */
-        {{0x141u, {0x81u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 16: reply of motor_stop */
-        {{0x181u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 5u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 17: reply of motor_stop */
-        {{0x194u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 5u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 18: reply of motor_stop */
-        {{0x1A0u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 5u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 19: request of motor_on */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 20: request of motor_stop */
-        {{0x141u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 21: request of brake */
-        {{0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 22: request of brake */
-        {{0x154u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 6u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 23: request of brake */
-        {{0x141u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 24: request of brake */
-        {{0x141u, {0x8Cu, 0x02u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 25: request of brake */
-        {{0x141u, {0x8Cu, 0x03u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 26: request of brake */
-        {{0x160u, {0x8Cu, 0x11u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 6u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 27: request of brake */
-        {{0x141u, {0x8Cu, 0x12u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 28: request of brake */
-        {{0x141u, {0x8Cu, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 29: request of brake */
-        {{0x141u, {0x8Cu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 6u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 30: reply of brake */
-        {{0x181u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 31: reply of brake */
-        {{0x194u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 7u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 32: reply of brake */
-        {{0x1A0u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 7u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 33: reply of brake */
-        {{0x181u, {0x8Cu, 0x02u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 34: reply of brake */
-        {{0x181u, {0x8Cu, 0x03u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 35: reply of brake */
-        {{0x181u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 36: reply of brake */
-        {{0x181u, {0x8Cu, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 37: reply of brake */
-        {{0x181u, {0x8Cu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 7u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 38: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xC8u, 0x00u, 0x00u, 0x00u}}, 1u, 8u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 39: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 1u, 8u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 40: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x02u, 0x00u, 0x00u}}, 1u, 8u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 41: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 20u, 8u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 42: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xAEu, 0xFCu, 0x00u, 0x00u}}, 20u, 8u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 43: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 20u, 8u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 44: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 8u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 45: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 8u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 46: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 20u, 8u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 47: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x53u, 0x03u, 0x00u, 0x00u}}, 1u, 8u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 48: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xADu, 0xFCu, 0x00u, 0x00u}}, 1u, 8u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 49: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 1u, 8u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 50: request of set_power */
-        {{0x141u, {0xA0u, 0x11u, 0x22u, 0x33u, 0x2Cu, 0x01u, 0x44u, 0x55u}}, 1u, 8u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 51: reply of set_power */
-        {{0x181u, {0xA0u, 0x19u, 0xE8u, 0x03u, 0x98u, 0xFEu, 0x34u, 0x12u}}, 1u, 9u, 0u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 52: reply of set_power */
-        {{0x1A0u, {0xA0u, 0x80u, 0x18u, 0xFCu, 0xFFu, 0x7Fu, 0xFFu, 0x7Fu}}, 32u, 9u, 1u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 53: reply of set_power */
-        {{0x181u, {0xA0u, 0x7Fu, 0xFFu, 0xFFu, 0x00u, 0x80u, 0xFFu, 0xFFu}}, 1u, 9u, 2u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 54: reply of set_power */
-        {{0x181u, {0xA0u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x3Fu}}, 1u, 9u, 3u, 3u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 55: reply of set_power */
-        {{0x181u, {0xA0u, 0x14u, 0x53u, 0x03u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 9u, 4u, 3u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 56: reply of set_power */
-        {{0x181u, {0xA0u, 0x14u, 0xE9u, 0x03u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 9u, 5u, 3u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 57: reply of set_power */
-        {{0x181u, {0xA0u, 0x14u, 0x17u, 0xFCu, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 9u, 6u, 3u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 58: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 59: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 60: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 10u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 61: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x32u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 2u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 62: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xC4u, 0x09u, 0x00u, 0x00u}}, 1u, 10u, 3u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 63: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 10u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 64: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 10u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 65: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 10u, 4u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 66: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 10u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 67: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 10u, 5u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 68: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 10u, 5u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 69: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 10u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 70: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 10u, 6u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 71: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 10u, 6u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 72: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 7u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 73: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 7u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 74: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 7u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 75: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 8u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 76: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 8u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 77: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 8u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 78: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 10u, 9u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 79: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 10u, 9u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 80: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 10u, 9u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 81: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x08u, 0x00u, 0x00u}}, 1u, 10u, 10u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 82: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xF7u, 0x00u, 0x00u}}, 1u, 10u, 11u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 83: request of set_torque */
-        {{0x141u, {0xA1u, 0x01u, 0x02u, 0x03u, 0x39u, 0xFEu, 0x04u, 0x05u}}, 1u, 10u, 12u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 84: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 1u, 10u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 85: reply of set_torque */
-        {{0x181u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 11u, 7u, 7u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 86: reply of set_torque */
-        {{0x1A0u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 11u, 8u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 87: reply of set_torque */
-        {{0x181u, {0xA1u, 0x3Cu, 0x01u, 0x08u, 0x03u, 0x00u, 0x04u, 0x00u}}, 1u, 11u, 9u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 88: reply of set_torque */
-        {{0x181u, {0xA1u, 0x3Du, 0xFFu, 0x7Fu, 0xFDu, 0xFFu, 0x05u, 0x00u}}, 1u, 11u, 10u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 89: reply of set_torque */
-        {{0x181u, {0xA1u, 0x3Eu, 0x00u, 0x80u, 0xFCu, 0xFFu, 0x06u, 0x00u}}, 1u, 11u, 11u, 7u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 90: reply of set_torque */
-        {{0x181u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 11u, 7u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 91: reply of set_torque */
-        {{0x1A0u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 11u, 8u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 92: reply of set_torque */
-        {{0x181u, {0xA1u, 0x3Cu, 0x01u, 0x08u, 0x03u, 0x00u, 0x04u, 0x00u}}, 1u, 11u, 9u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 93: reply of set_torque */
-        {{0x181u, {0xA1u, 0x3Du, 0xFFu, 0x7Fu, 0xFDu, 0xFFu, 0x05u, 0x00u}}, 1u, 11u, 10u, 12u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 94: reply of set_torque */
-        {{0x181u, {0xA1u, 0x3Eu, 0x00u, 0x80u, 0xFCu, 0xFFu, 0x06u, 0x00u}}, 1u, 11u, 11u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 95: reply of set_torque */
-        {{0x181u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 11u, 7u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 96: reply of set_torque */
-        {{0x1A0u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 11u, 8u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 97: reply of set_torque */
-        {{0x181u, {0xA1u, 0x3Cu, 0x01u, 0x08u, 0x03u, 0x00u, 0x04u, 0x00u}}, 1u, 11u, 9u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 98: reply of set_torque */
-        {{0x181u, {0xA1u, 0x3Du, 0xFFu, 0x7Fu, 0xFDu, 0xFFu, 0x05u, 0x00u}}, 1u, 11u, 10u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 99: reply of set_torque */
-        {{0x181u, {0xA1u, 0x3Eu, 0x00u, 0x80u, 0xFCu, 0xFFu, 0x06u, 0x00u}}, 1u, 11u, 11u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 100: reply of set_torque */
-        {{0x181u, {0xA1u, 0x7Fu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu, 0xFFu, 0x7Fu}}, 1u, 11u, 12u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 101: reply of set_torque */
-        {{0x181u, {0xA1u, 0x80u, 0x01u, 0x00u, 0x00u, 0x80u, 0xFFu, 0xFFu}}, 1u, 11u, 13u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 102: reply of set_torque */
-        {{0x181u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 11u, 14u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 103: reply of set_torque */
-        {{0x181u, {0xA1u, 0x01u, 0xB8u, 0x0Bu, 0xFFu, 0xFFu, 0xFFu, 0x3Fu}}, 1u, 11u, 15u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 104: reply of set_torque */
-        {{0x181u, {0xA1u, 0x21u, 0xB3u, 0xFFu, 0x01u, 0x00u, 0x01u, 0x80u}}, 1u, 11u, 16u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 105: reply of set_torque */
-        {{0x181u, {0xA1u, 0x22u, 0x05u, 0x00u, 0x06u, 0x00u, 0x00u, 0x40u}}, 1u, 11u, 17u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 106: reply of set_torque */
-        {{0x181u, {0xA1u, 0x22u, 0x05u, 0x00u, 0x06u, 0x00u, 0x00u, 0x80u}}, 1u, 11u, 18u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 107: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x6Cu, 0x02u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 12u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 108: reply of set_speed */
-        {{0x181u, {0xA2u, 0x32u, 0x6Cu, 0x02u, 0x68u, 0x01u, 0x00u, 0x40u}}, 1u, 13u, 19u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 109: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x64u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 20u, 12u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 110: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x64u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 20u, 12u, 1u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 111: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x64u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 20u, 12u, 1u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 112: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x64u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 20u, 12u, 1u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 113: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x08u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 12u, 2u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 114: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x08u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 12u, 2u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 115: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x08u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 12u, 2u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 116: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x08u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 12u, 2u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 117: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 12u, 3u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 118: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 12u, 3u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 119: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 12u, 3u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 120: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 12u, 3u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 121: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 12u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 122: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 12u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 123: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 12u, 4u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 124: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 12u, 4u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 125: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x01u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 126: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x01u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 5u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 127: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x01u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 5u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 128: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x01u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 5u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 129: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 130: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 6u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 131: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 6u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 132: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 6u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 133: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x23u, 0x01u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 12u, 7u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 134: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x23u, 0x01u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 12u, 7u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 135: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x23u, 0x01u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 12u, 7u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 136: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x23u, 0x01u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 12u, 7u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 137: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x64u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 8u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 138: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x64u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 8u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 139: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x64u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 8u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 140: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x64u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 8u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 141: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x39u, 0xFEu, 0x39u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 9u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 142: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x39u, 0xFEu, 0x39u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 9u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 143: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x39u, 0xFEu, 0x39u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 9u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 144: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x39u, 0xFEu, 0x39u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 9u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 145: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 12u, 10u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 146: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x28u, 0x23u, 0x00u, 0x00u}}, 1u, 12u, 11u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 147: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x40u, 0x19u, 0x01u, 0x00u}}, 1u, 12u, 12u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 148: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x20u, 0x4Eu, 0x00u, 0x00u}}, 1u, 12u, 13u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 149: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 12u, 14u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 150: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 12u, 15u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 151: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 152: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xD8u, 0xDCu, 0xFFu, 0xFFu}}, 1u, 12u, 16u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 153: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xB4u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 17u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 154: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x01u, 0x08u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 18u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 155: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0xFFu, 0xF7u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 19u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 156: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0xFFu, 0x7Fu, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 20u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 157: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x2Cu, 0x01u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 12u, 21u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 158: request of set_speed */
-        {{0x141u, {0xA2u, 0xFFu, 0x2Cu, 0x01u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 12u, 22u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 159: reply of set_speed */
-        {{0x181u, {0xA2u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 13u, 20u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 160: reply of set_speed */
-        {{0x182u, {0xA2u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 13u, 21u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 161: reply of set_speed */
-        {{0x194u, {0xA2u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 13u, 22u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 162: reply of set_speed */
-        {{0x1A0u, {0xA2u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 13u, 23u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 163: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 14u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 164: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x80u, 0xEEu, 0x36u, 0x00u}}, 1u, 14u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 165: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x2Au, 0x00u, 0x00u}}, 1u, 14u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 166: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 14u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 167: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x0Au, 0x00u, 0x00u, 0x00u}}, 1u, 14u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 168: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 14u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 169: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 31u, 14u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 170: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 31u, 14u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 171: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 31u, 14u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 172: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 31u, 14u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 173: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x0Du, 0x0Cu, 0x0Bu, 0x0Au}}, 31u, 14u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 174: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 31u, 14u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 175: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 31u, 14u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 176: request of move_to_angle */
-        {{0x141u, {0xA3u, 0xFFu, 0xFFu, 0xFFu, 0x10u, 0x27u, 0x00u, 0x00u}}, 1u, 14u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 177: reply of move_to_angle */
-        {{0x181u, {0xA3u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 15u, 20u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 178: reply of move_to_angle */
-        {{0x182u, {0xA3u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 15u, 21u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 179: reply of move_to_angle */
-        {{0x194u, {0xA3u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 15u, 22u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 180: reply of move_to_angle */
-        {{0x1A0u, {0xA3u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 15u, 23u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 181: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xD0u, 0x02u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 16u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 182: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x78u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 16u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+    /* Of each message its command, the number of its layout, and whether it is a reply. */
+    static const canwright_golden_message_t messages[] CANWRIGHT_FLASH = {
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_OFF, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_ON, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOTOR_STOP, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE, 1, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_BRAKE, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER, 3, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_POWER, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE, 5, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_TORQUE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED, 6, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE, 7, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED, 8, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_TO_ANGLE_AT_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE, 9, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED, 10, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_TURN_TO_ANGLE_AT_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE, 11, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED, 12, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_MOVE_BY_ANGLE_AT_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_ANGLE_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT, 14, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_SPEED, 15, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_MAX_ANGLE, 16, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_CURRENT_RAMP, 17, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_PARAM_SPEED_RAMP, 18, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_ANGLE_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT, 14, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT, 14, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED, 15, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_SPEED, 15, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE, 16, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_MAX_ANGLE, 16, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP, 17, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_CURRENT_RAMP, 17, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP, 18, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_PARAM_SPEED_RAMP, 18, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_ENCODER, 19, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_WRITE_POSITION_AS_ZERO_ROM, 20, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_MULTI_TURN_ANGLE, 21, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_SINGLE_TURN_ANGLE, 22, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE, 23, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_SET_ANGLE, 23, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_1, 24, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_CLEAR_ERRORS, 24, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_2, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2024_11_COMMAND_READ_STATUS_3, 25, true},
+    };
+    /* Id, data, node, message, raw integers, field, parameters, length, kind, status. */
+    static const canwright_case_t cases[] CANWRIGHT_FLASH = {
+        {{0x141u, {0x80000000u}}, 1u, 0, 0, 0, 0, 8, 3, 0}, /* 1: request of motor_off */
+        {{0x160u, {0x80000000u}}, 32u, 0, 0, 0, 0, 8, 3, 0}, /* 2: request of motor_off */
+        {{0x141u, {0x80010203u, 0x04050607u}}, 1u, 0, 0, 0, 0, 8, 1, 0}, /* 3: request of motor_off */
+        {{0x181u, {0x80000000u}}, 1u, 1, 0, 0, 0, 8, 3, 0}, /* 4: reply of motor_off */
+        {{0x194u, {0x80000000u}}, 20u, 1, 0, 0, 0, 8, 3, 0}, /* 5: reply of motor_off */
+        {{0x1A0u, {0x80000000u}}, 32u, 1, 0, 0, 0, 8, 3, 0}, /* 6: reply of motor_off */
+        {{0x141u, {0x88000000u}}, 1u, 2, 0, 0, 0, 8, 3, 0}, /* 7: request of motor_on */
+        {{0x160u, {0x88000000u}}, 32u, 2, 0, 0, 0, 8, 3, 0}, /* 8: request of motor_on */
+        {{0x141u, {0x88010203u, 0x04050607u}}, 1u, 2, 0, 0, 0, 8, 1, 0}, /* 9: request of motor_on */
+        {{0x181u, {0x88000000u}}, 1u, 3, 0, 0, 0, 8, 3, 0}, /* 10: reply of motor_on */
+        {{0x194u, {0x88000000u}}, 20u, 3, 0, 0, 0, 8, 3, 0}, /* 11: reply of motor_on */
+        {{0x1A0u, {0x88000000u}}, 32u, 3, 0, 0, 0, 8, 3, 0}, /* 12: reply of motor_on */
+        {{0x141u, {0x81000000u}}, 1u, 4, 0, 0, 0, 8, 3, 0}, /* 13: request of motor_stop */
+        {{0x160u, {0x81000000u}}, 32u, 4, 0, 0, 0, 8, 3, 0}, /* 14: request of motor_stop */
+        {{0x141u, {0x81010203u, 0x04050607u}}, 1u, 4, 0, 0, 0, 8, 1, 0}, /* 15: request of motor_stop */
+        {{0x181u, {0x81000000u}}, 1u, 5, 0, 0, 0, 8, 3, 0}, /* 16: reply of motor_stop */
+        {{0x194u, {0x81000000u}}, 20u, 5, 0, 0, 0, 8, 3, 0}, /* 17: reply of motor_stop */
+        {{0x1A0u, {0x81000000u}}, 32u, 5, 0, 0, 0, 8, 3, 0}, /* 18: reply of motor_stop */
+        {{0x141u, {0x88000000u}}, 1u, 2, 0, 0, 0, 8, 3, 0}, /* 19: request of motor_on */
+        {{0x141u, {0x81000000u}}, 1u, 4, 0, 0, 0, 8, 3, 0}, /* 20: request of motor_stop */
+        {{0x141u, {0x8C000000u}}, 1u, 6, 0, 0, 0, 8, 3, 0}, /* 21: request of brake */
+        {{0x154u, {0x8C010000u}}, 20u, 6, 1, 0, 0, 8, 3, 0}, /* 22: request of brake */
+        {{0x141u, {0x8C100000u}}, 1u, 6, 2, 0, 0, 8, 3, 0}, /* 23: request of brake */
+        {{0x141u, {0x8C020000u}}, 1u, 6, 3, 0, 0, 8, 1, 0}, /* 24: request of brake */
+        {{0x141u, {0x8C030000u}}, 1u, 6, 4, 0, 0, 8, 1, 0}, /* 25: request of brake */
+        {{0x160u, {0x8C110000u}}, 32u, 6, 5, 0, 0, 8, 1, 0}, /* 26: request of brake */
+        {{0x141u, {0x8C120000u}}, 1u, 6, 6, 0, 0, 8, 1, 0}, /* 27: request of brake */
+        {{0x141u, {0x8CFF0000u}}, 1u, 6, 7, 0, 0, 8, 1, 0}, /* 28: request of brake */
+        {{0x141u, {0x8C010203u, 0x04050607u}}, 1u, 6, 1, 0, 0, 8, 1, 0}, /* 29: request of brake */
+        {{0x181u, {0x8C000000u}}, 1u, 7, 0, 0, 0, 8, 3, 0}, /* 30: reply of brake */
+        {{0x194u, {0x8C010000u}}, 20u, 7, 1, 0, 0, 8, 3, 0}, /* 31: reply of brake */
+        {{0x1A0u, {0x8C010000u}}, 32u, 7, 1, 0, 0, 8, 3, 0}, /* 32: reply of brake */
+        {{0x181u, {0x8C020000u}}, 1u, 7, 2, 0, 0, 8, 1, 0}, /* 33: reply of brake */
+        {{0x181u, {0x8C030000u}}, 1u, 7, 3, 0, 0, 8, 1, 0}, /* 34: reply of brake */
+        {{0x181u, {0x8C100000u}}, 1u, 7, 4, 0, 0, 8, 1, 0}, /* 35: reply of brake */
+        {{0x181u, {0x8CFF0000u}}, 1u, 7, 5, 0, 0, 8, 1, 0}, /* 36: reply of brake */
+        {{0x181u, {0x8C010203u, 0x04050607u}}, 1u, 7, 1, 0, 0, 8, 1, 0}, /* 37: reply of brake */
+        {{0x141u, {0xA0000000u, 0xC8000000u}}, 1u, 8, 0, 0, 0, 8, 3, 0}, /* 38: request of set_power */
+        {{0x141u, {0xA0000000u, 0x52030000u}}, 1u, 8, 1, 0, 0, 8, 3, 0}, /* 39: request of set_power */
+        {{0x141u, {0xA0000000u, 0x00020000u}}, 1u, 8, 2, 0, 0, 8, 3, 0}, /* 40: request of set_power */
+        {{0x154u, {0xA0000000u, 0x52030000u}}, 20u, 8, 1, 0, 0, 8, 3, 0}, /* 41: request of set_power */
+        {{0x154u, {0xA0000000u, 0xAEFC0000u}}, 20u, 8, 3, 0, 0, 8, 3, 0}, /* 42: request of set_power */
+        {{0x154u, {0xA0000000u, 0xFFFF0000u}}, 20u, 8, 4, 0, 0, 8, 3, 0}, /* 43: request of set_power */
+        {{0x154u, {0xA0000000u}}, 20u, 8, 5, 0, 0, 8, 3, 0}, /* 44: request of set_power */
+        {{0x154u, {0xA0000000u, 0x01000000u}}, 20u, 8, 6, 0, 0, 8, 3, 0}, /* 45: request of set_power */
+        {{0x154u, {0xA0000000u, 0x02010000u}}, 20u, 8, 7, 0, 0, 8, 3, 0}, /* 46: request of set_power */
+        {{0x141u, {0xA0000000u, 0x53030000u}}, 1u, 8, 8, 0, 0, 8, 1, 0}, /* 47: request of set_power */
+        {{0x141u, {0xA0000000u, 0xADFC0000u}}, 1u, 8, 9, 0, 0, 8, 1, 0}, /* 48: request of set_power */
+        {{0x141u, {0xA0000000u, 0xE8030000u}}, 1u, 8, 10, 0, 0, 8, 1, 0}, /* 49: request of set_power */
+        {{0x141u, {0xA0112233u, 0x2C014455u}}, 1u, 8, 11, 0, 0, 8, 1, 0}, /* 50: request of set_power */
+        {{0x181u, {0xA019E803u, 0x98FE3412u}}, 1u, 9, 0, 0, 1, 8, 3, 0}, /* 51: reply of set_power */
+        {{0x1A0u, {0xA08018FCu, 0xFF7FFF7Fu}}, 32u, 9, 1, 0, 1, 8, 3, 0}, /* 52: reply of set_power */
+        {{0x181u, {0xA07FFFFFu, 0x0080FFFFu}}, 1u, 9, 2, 0, 2, 8, 3, 0}, /* 53: reply of set_power */
+        {{0x181u, {0xA0000100u, 0xFFFFFF3Fu}}, 1u, 9, 3, 0, 3, 8, 3, 0}, /* 54: reply of set_power */
+        {{0x181u, {0xA0145303u}}, 1u, 9, 4, 0, 3, 8, 3, 0}, /* 55: reply of set_power */
+        {{0x181u, {0xA014E903u}}, 1u, 9, 5, 0, 3, 8, 1, 0}, /* 56: reply of set_power */
+        {{0x181u, {0xA01417FCu}}, 1u, 9, 6, 0, 3, 8, 1, 0}, /* 57: reply of set_power */
+        {{0x141u, {0xA1000000u, 0x64000000u}}, 1u, 10, 0, 0, 4, 8, 3, 0}, /* 58: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x64000000u}}, 1u, 10, 0, 0, 5, 8, 3, 0}, /* 59: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xD0070000u}}, 1u, 10, 1, 0, 4, 8, 3, 0}, /* 60: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x32000000u}}, 1u, 10, 2, 0, 5, 8, 3, 0}, /* 61: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xC4090000u}}, 1u, 10, 3, 0, 4, 8, 1, 0}, /* 62: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 10, 4, 0, 4, 8, 3, 0}, /* 63: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 10, 4, 0, 5, 8, 3, 0}, /* 64: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 10, 4, 0, 6, 8, 3, 0}, /* 65: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 10, 5, 0, 4, 8, 3, 0}, /* 66: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 10, 5, 0, 5, 8, 3, 0}, /* 67: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 10, 5, 0, 6, 8, 3, 0}, /* 68: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 10, 6, 0, 4, 8, 3, 0}, /* 69: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 10, 6, 0, 5, 8, 3, 0}, /* 70: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 10, 6, 0, 6, 8, 3, 0}, /* 71: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 10, 7, 0, 4, 8, 3, 0}, /* 72: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 10, 7, 0, 5, 8, 3, 0}, /* 73: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 10, 7, 0, 6, 8, 3, 0}, /* 74: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 10, 8, 0, 4, 8, 3, 0}, /* 75: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 10, 8, 0, 5, 8, 3, 0}, /* 76: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 10, 8, 0, 6, 8, 3, 0}, /* 77: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 10, 9, 0, 4, 8, 3, 0}, /* 78: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 10, 9, 0, 5, 8, 3, 0}, /* 79: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 10, 9, 0, 6, 8, 3, 0}, /* 80: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x01080000u}}, 1u, 10, 10, 0, 4, 8, 1, 0}, /* 81: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xFFF70000u}}, 1u, 10, 11, 0, 5, 8, 1, 0}, /* 82: request of set_torque */
+        {{0x141u, {0xA1010203u, 0x39FE0405u}}, 1u, 10, 12, 0, 4, 8, 1, 0}, /* 83: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x23010000u}}, 1u, 10, 9, 0, 0, 8, 3, 0}, /* 84: request of set_torque */
+        {{0x181u, {0xA1320008u, 0xF401E803u}}, 1u, 11, 7, 0, 7, 8, 3, 0}, /* 85: reply of set_torque */
+        {{0x1A0u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 11, 8, 0, 8, 8, 3, 0}, /* 86: reply of set_torque */
+        {{0x181u, {0xA13C0108u, 0x03000400u}}, 1u, 11, 9, 0, 8, 8, 3, 0}, /* 87: reply of set_torque */
+        {{0x181u, {0xA13DFF7Fu, 0xFDFF0500u}}, 1u, 11, 10, 0, 9, 8, 3, 0}, /* 88: reply of set_torque */
+        {{0x181u, {0xA13E0080u, 0xFCFF0600u}}, 1u, 11, 11, 0, 7, 8, 3, 0}, /* 89: reply of set_torque */
+        {{0x181u, {0xA1320008u, 0xF401E803u}}, 1u, 11, 7, 0, 10, 8, 3, 0}, /* 90: reply of set_torque */
+        {{0x1A0u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 11, 8, 0, 11, 8, 3, 0}, /* 91: reply of set_torque */
+        {{0x181u, {0xA13C0108u, 0x03000400u}}, 1u, 11, 9, 0, 11, 8, 3, 0}, /* 92: reply of set_torque */
+        {{0x181u, {0xA13DFF7Fu, 0xFDFF0500u}}, 1u, 11, 10, 0, 12, 8, 3, 0}, /* 93: reply of set_torque */
+        {{0x181u, {0xA13E0080u, 0xFCFF0600u}}, 1u, 11, 11, 0, 10, 8, 3, 0}, /* 94: reply of set_torque */
+        {{0x181u, {0xA1320008u, 0xF401E803u}}, 1u, 11, 7, 0, 13, 8, 3, 0}, /* 95: reply of set_torque */
+        {{0x1A0u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 11, 8, 0, 14, 8, 3, 0}, /* 96: reply of set_torque */
+        {{0x181u, {0xA13C0108u, 0x03000400u}}, 1u, 11, 9, 0, 14, 8, 3, 0}, /* 97: reply of set_torque */
+        {{0x181u, {0xA13DFF7Fu, 0xFDFF0500u}}, 1u, 11, 10, 0, 15, 8, 3, 0}, /* 98: reply of set_torque */
+        {{0x181u, {0xA13E0080u, 0xFCFF0600u}}, 1u, 11, 11, 0, 13, 8, 3, 0}, /* 99: reply of set_torque */
+        {{0x181u, {0xA17FFFFFu, 0xFF7FFF7Fu}}, 1u, 11, 12, 0, 15, 8, 3, 0}, /* 100: reply of set_torque */
+        {{0x181u, {0xA1800100u, 0x0080FFFFu}}, 1u, 11, 13, 0, 13, 8, 3, 0}, /* 101: reply of set_torque */
+        {{0x181u, {0xA1000000u}}, 1u, 11, 14, 0, 8, 8, 3, 0}, /* 102: reply of set_torque */
+        {{0x181u, {0xA101B80Bu, 0xFFFFFF3Fu}}, 1u, 11, 15, 0, 14, 8, 3, 0}, /* 103: reply of set_torque */
+        {{0x181u, {0xA121B3FFu, 0x01000180u}}, 1u, 11, 16, 0, 4, 8, 3, 0}, /* 104: reply of set_torque */
+        {{0x181u, {0xA1220500u, 0x06000040u}}, 1u, 11, 17, 0, 14, 8, 1, 0}, /* 105: reply of set_torque */
+        {{0x181u, {0xA1220500u, 0x06000080u}}, 1u, 11, 18, 0, 9, 8, 1, 0}, /* 106: reply of set_torque */
+        {{0x141u, {0xA2006C02u, 0xA08C0000u}}, 1u, 12, 0, 0, 4, 8, 3, 0}, /* 107: request of set_speed */
+        {{0x181u, {0xA2326C02u, 0x68010040u}}, 1u, 13, 19, 0, 13, 8, 3, 0}, /* 108: reply of set_speed */
+        {{0x154u, {0xA2006400u, 0xA08C0000u}}, 20u, 12, 1, 0, 4, 8, 3, 0}, /* 109: request of set_speed */
+        {{0x154u, {0xA2006400u, 0xA08C0000u}}, 20u, 12, 1, 0, 5, 8, 3, 0}, /* 110: request of set_speed */
+        {{0x154u, {0xA2006400u, 0xA08C0000u}}, 20u, 12, 1, 0, 6, 8, 3, 0}, /* 111: request of set_speed */
+        {{0x154u, {0xA2006400u, 0xA08C0000u}}, 20u, 12, 1, 0, 16, 8, 3, 0}, /* 112: request of set_speed */
+        {{0x154u, {0xA2000008u, 0xFFFFFF7Fu}}, 20u, 12, 2, 0, 4, 8, 3, 0}, /* 113: request of set_speed */
+        {{0x154u, {0xA2000008u, 0xFFFFFF7Fu}}, 20u, 12, 2, 0, 5, 8, 3, 0}, /* 114: request of set_speed */
+        {{0x154u, {0xA2000008u, 0xFFFFFF7Fu}}, 20u, 12, 2, 0, 6, 8, 3, 0}, /* 115: request of set_speed */
+        {{0x154u, {0xA2000008u, 0xFFFFFF7Fu}}, 20u, 12, 2, 0, 16, 8, 3, 0}, /* 116: request of set_speed */
+        {{0x154u, {0xA20000F8u, 0x00000080u}}, 20u, 12, 3, 0, 4, 8, 3, 0}, /* 117: request of set_speed */
+        {{0x154u, {0xA20000F8u, 0x00000080u}}, 20u, 12, 3, 0, 5, 8, 3, 0}, /* 118: request of set_speed */
+        {{0x154u, {0xA20000F8u, 0x00000080u}}, 20u, 12, 3, 0, 6, 8, 3, 0}, /* 119: request of set_speed */
+        {{0x154u, {0xA20000F8u, 0x00000080u}}, 20u, 12, 3, 0, 16, 8, 3, 0}, /* 120: request of set_speed */
+        {{0x154u, {0xA200FFFFu, 0xFFFFFFFFu}}, 20u, 12, 4, 0, 4, 8, 3, 0}, /* 121: request of set_speed */
+        {{0x154u, {0xA200FFFFu, 0xFFFFFFFFu}}, 20u, 12, 4, 0, 5, 8, 3, 0}, /* 122: request of set_speed */
+        {{0x154u, {0xA200FFFFu, 0xFFFFFFFFu}}, 20u, 12, 4, 0, 6, 8, 3, 0}, /* 123: request of set_speed */
+        {{0x154u, {0xA200FFFFu, 0xFFFFFFFFu}}, 20u, 12, 4, 0, 16, 8, 3, 0}, /* 124: request of set_speed */
+        {{0x154u, {0xA2000100u, 0x01000000u}}, 20u, 12, 5, 0, 4, 8, 3, 0}, /* 125: request of set_speed */
+        {{0x154u, {0xA2000100u, 0x01000000u}}, 20u, 12, 5, 0, 5, 8, 3, 0}, /* 126: request of set_speed */
+        {{0x154u, {0xA2000100u, 0x01000000u}}, 20u, 12, 5, 0, 6, 8, 3, 0}, /* 127: request of set_speed */
+        {{0x154u, {0xA2000100u, 0x01000000u}}, 20u, 12, 5, 0, 16, 8, 3, 0}, /* 128: request of set_speed */
+        {{0x154u, {0xA2000000u}}, 20u, 12, 6, 0, 4, 8, 3, 0}, /* 129: request of set_speed */
+        {{0x154u, {0xA2000000u}}, 20u, 12, 6, 0, 5, 8, 3, 0}, /* 130: request of set_speed */
+        {{0x154u, {0xA2000000u}}, 20u, 12, 6, 0, 6, 8, 3, 0}, /* 131: request of set_speed */
+        {{0x154u, {0xA2000000u}}, 20u, 12, 6, 0, 16, 8, 3, 0}, /* 132: request of set_speed */
+        {{0x154u, {0xA2002301u, 0x04030201u}}, 20u, 12, 7, 0, 4, 8, 3, 0}, /* 133: request of set_speed */
+        {{0x154u, {0xA2002301u, 0x04030201u}}, 20u, 12, 7, 0, 5, 8, 3, 0}, /* 134: request of set_speed */
+        {{0x154u, {0xA2002301u, 0x04030201u}}, 20u, 12, 7, 0, 6, 8, 3, 0}, /* 135: request of set_speed */
+        {{0x154u, {0xA2002301u, 0x04030201u}}, 20u, 12, 7, 0, 16, 8, 3, 0}, /* 136: request of set_speed */
+        {{0x154u, {0xA2006400u, 0x1D000000u}}, 20u, 12, 8, 0, 4, 8, 3, 0}, /* 137: request of set_speed */
+        {{0x154u, {0xA2006400u, 0x1D000000u}}, 20u, 12, 8, 0, 5, 8, 3, 0}, /* 138: request of set_speed */
+        {{0x154u, {0xA2006400u, 0x1D000000u}}, 20u, 12, 8, 0, 6, 8, 3, 0}, /* 139: request of set_speed */
+        {{0x154u, {0xA2006400u, 0x1D000000u}}, 20u, 12, 8, 0, 16, 8, 3, 0}, /* 140: request of set_speed */
+        {{0x154u, {0xA20039FEu, 0x39000000u}}, 20u, 12, 9, 0, 4, 8, 3, 0}, /* 141: request of set_speed */
+        {{0x154u, {0xA20039FEu, 0x39000000u}}, 20u, 12, 9, 0, 5, 8, 3, 0}, /* 142: request of set_speed */
+        {{0x154u, {0xA20039FEu, 0x39000000u}}, 20u, 12, 9, 0, 6, 8, 3, 0}, /* 143: request of set_speed */
+        {{0x154u, {0xA20039FEu, 0x39000000u}}, 20u, 12, 9, 0, 16, 8, 3, 0}, /* 144: request of set_speed */
+        {{0x141u, {0xA2000000u, 0xA08C0000u}}, 1u, 12, 10, 0, 4, 8, 3, 0}, /* 145: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x28230000u}}, 1u, 12, 11, 0, 4, 8, 3, 0}, /* 146: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x40190100u}}, 1u, 12, 12, 0, 4, 8, 3, 0}, /* 147: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x204E0000u}}, 1u, 12, 13, 0, 4, 8, 3, 0}, /* 148: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x50460000u}}, 1u, 12, 14, 0, 4, 8, 3, 0}, /* 149: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x94110000u}}, 1u, 12, 15, 0, 4, 8, 3, 0}, /* 150: request of set_speed */
+        {{0x141u, {0xA2000000u}}, 1u, 12, 6, 0, 4, 8, 3, 0}, /* 151: request of set_speed */
+        {{0x141u, {0xA2000000u, 0xD8DCFFFFu}}, 1u, 12, 16, 0, 4, 8, 3, 0}, /* 152: request of set_speed */
+        {{0x141u, {0xA2000000u, 0xB4000000u}}, 1u, 12, 17, 0, 4, 8, 3, 0}, /* 153: request of set_speed */
+        {{0x141u, {0xA2000108u, 0x64000000u}}, 1u, 12, 18, 0, 4, 8, 1, 0}, /* 154: request of set_speed */
+        {{0x141u, {0xA200FFF7u, 0x64000000u}}, 1u, 12, 19, 0, 5, 8, 1, 0}, /* 155: request of set_speed */
+        {{0x141u, {0xA200FF7Fu, 0x64000000u}}, 1u, 12, 20, 0, 16, 8, 1, 0}, /* 156: request of set_speed */
+        {{0x141u, {0xA2002C01u, 0x50460000u}}, 1u, 12, 21, 0, 0, 8, 3, 0}, /* 157: request of set_speed */
+        {{0x141u, {0xA2FF2C01u, 0x04030201u}}, 1u, 12, 22, 0, 5, 8, 1, 0}, /* 158: request of set_speed */
+        {{0x181u, {0xA2280903u, 0x18FC401Fu}}, 1u, 13, 20, 0, 1, 8, 3, 0}, /* 159: reply of set_speed */
+        {{0x182u, {0xA229F006u, 0x17FC411Fu}}, 2u, 13, 21, 0, 8, 8, 3, 0}, /* 160: reply of set_speed */
+        {{0x194u, {0xA22AEF06u, 0x16FC421Fu}}, 20u, 13, 22, 0, 10, 8, 3, 0}, /* 161: reply of set_speed */
+        {{0x1A0u, {0xA22BEE06u, 0x15FC431Fu}}, 32u, 13, 23, 0, 13, 8, 3, 0}, /* 162: reply of set_speed */
+        {{0x141u, {0xA3000000u, 0xA08C0000u}}, 1u, 14, 0, 0, 0, 8, 3, 0}, /* 163: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x80EE3600u}}, 1u, 14, 1, 0, 0, 8, 3, 0}, /* 164: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0xF82A0000u}}, 1u, 14, 2, 0, 0, 8, 3, 0}, /* 165: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x64000000u}}, 1u, 14, 3, 0, 0, 8, 3, 0}, /* 166: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x0A000000u}}, 1u, 14, 4, 0, 0, 8, 3, 0}, /* 167: request of move_to_angle */
+        {{0x141u, {0xA3000000u}}, 1u, 14, 5, 0, 0, 8, 3, 0}, /* 168: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x00000080u}}, 31u, 14, 6, 0, 0, 8, 3, 0}, /* 169: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xFFFFFF7Fu}}, 31u, 14, 7, 0, 0, 8, 3, 0}, /* 170: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xFFFFFFFFu}}, 31u, 14, 8, 0, 0, 8, 3, 0}, /* 171: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x01000000u}}, 31u, 14, 9, 0, 0, 8, 3, 0}, /* 172: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x0D0C0B0Au}}, 31u, 14, 10, 0, 0, 8, 3, 0}, /* 173: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xB0B9FFFFu}}, 31u, 14, 11, 0, 0, 8, 3, 0}, /* 174: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x1D000000u}}, 31u, 14, 12, 0, 0, 8, 3, 0}, /* 175: request of move_to_angle */
+        {{0x141u, {0xA3FFFFFFu, 0x10270000u}}, 1u, 14, 13, 0, 0, 8, 1, 0}, /* 176: request of move_to_angle */
+        {{0x181u, {0xA3280903u, 0x18FC401Fu}}, 1u, 15, 20, 0, 1, 8, 3, 0}, /* 177: reply of move_to_angle */
+        {{0x182u, {0xA329F006u, 0x17FC411Fu}}, 2u, 15, 21, 0, 8, 8, 3, 0}, /* 178: reply of move_to_angle */
+        {{0x194u, {0xA32AEF06u, 0x16FC421Fu}}, 20u, 15, 22, 0, 10, 8, 3, 0}, /* 179: reply of move_to_angle */
+        {{0x1A0u, {0xA32BEE06u, 0x15FC431Fu}}, 32u, 15, 23, 0, 13, 8, 3, 0}, /* 180: reply of move_to_angle */
+        {{0x141u, {0xA400D002u, 0xA08C0000u}}, 1u, 16, 0, 0, 0, 8, 3, 0}, /* 181: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4007800u, 0x50460000u}}, 1u, 16, 1, 0, 0, 8, 3, 0}, /* 182: request of move_to_angle_at_speed */
         /* 183: request of move_to_angle_at_speed */
-        {{0x154u, {0xA4u, 0x00u, 0x78u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 20u, 16u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 184: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 16u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 185: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x28u, 0x23u, 0x00u, 0x00u}}, 1u, 16u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 186: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x10u, 0x27u, 0x00u, 0x00u}}, 1u, 16u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 187: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xD0u, 0x02u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 16u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 188: request of move_to_angle_at_speed */
-        {{0x142u, {0xA4u, 0x00u, 0x78u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 2u, 16u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 189: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 16u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 190: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xF4u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 16u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xA4007800u, 0xB0B9FFFFu}}, 20u, 16, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA4002C01u, 0x50460000u}}, 1u, 16, 3, 0, 0, 8, 3, 0}, /* 184: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4002C01u, 0x28230000u}}, 1u, 16, 4, 0, 0, 8, 3, 0}, /* 185: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4002C01u, 0x10270000u}}, 1u, 16, 5, 0, 0, 8, 3, 0}, /* 186: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400D002u, 0x94110000u}}, 1u, 16, 6, 0, 0, 8, 3, 0}, /* 187: request of move_to_angle_at_speed */
+        {{0x142u, {0xA4007800u, 0xB0B9FFFFu}}, 2u, 16, 2, 0, 0, 8, 3, 0}, /* 188: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400F401u, 0xA08C0000u}}, 1u, 16, 7, 0, 0, 8, 3, 0}, /* 189: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400F401u}}, 1u, 16, 8, 0, 0, 8, 3, 0}, /* 190: request of move_to_angle_at_speed */
         /* 191: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 16u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA400FFFFu, 0xFFFFFF7Fu}}, 32u, 16, 9, 0, 0, 8, 3, 0},
         /* 192: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 16u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000000u, 0x00000080u}}, 32u, 16, 10, 0, 0, 8, 3, 0},
         /* 193: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 16u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000100u, 0xFFFFFFFFu}}, 32u, 16, 11, 0, 0, 8, 3, 0},
         /* 194: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x03u}}, 32u, 16u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 195: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0xFFu, 0x2Cu, 0x01u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 16u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 196: reply of move_to_angle_at_speed */
-        {{0x181u, {0xA4u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 17u, 20u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 197: reply of move_to_angle_at_speed */
-        {{0x182u, {0xA4u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 17u, 21u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000201u, 0x06050403u}}, 32u, 16, 12, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA4FF2C01u, 0x50460000u}}, 1u, 16, 3, 0, 0, 8, 1, 0}, /* 195: request of move_to_angle_at_speed */
+        {{0x181u, {0xA4280903u, 0x18FC401Fu}}, 1u, 17, 20, 0, 1, 8, 3, 0}, /* 196: reply of move_to_angle_at_speed */
+        {{0x182u, {0xA429F006u, 0x17FC411Fu}}, 2u, 17, 21, 0, 8, 8, 3, 0}, /* 197: reply of move_to_angle_at_speed */
         /* 198: reply of move_to_angle_at_speed */
-        {{0x194u, {0xA4u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 17u, 22u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xA42AEF06u, 0x16FC421Fu}}, 20u, 17, 22, 0, 10, 8, 3, 0},
         /* 199: reply of move_to_angle_at_speed */
-        {{0x1A0u, {0xA4u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 17u, 23u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 200: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 201: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 18u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 202: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x0Cu, 0x7Bu, 0x00u, 0x00u}}, 1u, 18u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 203: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x78u, 0x69u, 0x00u, 0x00u}}, 1u, 18u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 204: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 18u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 205: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x78u, 0x69u, 0x00u, 0x00u}}, 1u, 18u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 206: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0xE4u, 0x57u, 0x00u, 0x00u}}, 1u, 18u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 207: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 18u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 208: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 18u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 209: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 18u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 210: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x81u}}, 20u, 18u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 211: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x02u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 212: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x03u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 213: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0xFEu, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 214: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0xAAu, 0xBBu, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 14u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 215: reply of turn_to_angle */
-        {{0x181u, {0xA5u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 19u, 20u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 216: reply of turn_to_angle */
-        {{0x182u, {0xA5u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 19u, 21u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 217: reply of turn_to_angle */
-        {{0x194u, {0xA5u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 19u, 22u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 218: reply of turn_to_angle */
-        {{0x1A0u, {0xA5u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 19u, 23u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 219: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x00u, 0xD0u, 0x02u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 20u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 220: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 20u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 221: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x01u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 20u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xA42BEE06u, 0x15FC431Fu}}, 32u, 17, 23, 0, 13, 8, 3, 0},
+        {{0x141u, {0xA5000000u, 0x50460000u}}, 1u, 18, 0, 0, 0, 8, 3, 0}, /* 200: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x9F8C0000u}}, 1u, 18, 1, 0, 0, 8, 3, 0}, /* 201: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x0C7B0000u}}, 1u, 18, 2, 0, 0, 8, 3, 0}, /* 202: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x78690000u}}, 1u, 18, 3, 0, 0, 8, 3, 0}, /* 203: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0x9F8C0000u}}, 1u, 18, 4, 0, 0, 8, 3, 0}, /* 204: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0x78690000u}}, 1u, 18, 5, 0, 0, 8, 3, 0}, /* 205: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0xE4570000u}}, 1u, 18, 6, 0, 0, 8, 3, 0}, /* 206: request of turn_to_angle */
+        {{0x154u, {0xA5000000u, 0xFFFFFFFFu}}, 20u, 18, 7, 0, 0, 8, 3, 0}, /* 207: request of turn_to_angle */
+        {{0x154u, {0xA5010000u}}, 20u, 18, 8, 0, 0, 8, 3, 0}, /* 208: request of turn_to_angle */
+        {{0x154u, {0xA5000000u, 0x01000000u}}, 20u, 18, 9, 0, 0, 8, 3, 0}, /* 209: request of turn_to_angle */
+        {{0x154u, {0xA5010000u, 0x04030281u}}, 20u, 18, 10, 0, 0, 8, 3, 0}, /* 210: request of turn_to_angle */
+        {{0x141u, {0xA5020000u, 0x50460000u}}, 1u, 18, 11, 0, 0, 8, 1, 0}, /* 211: request of turn_to_angle */
+        {{0x141u, {0xA5030000u, 0x50460000u}}, 1u, 18, 12, 0, 0, 8, 1, 0}, /* 212: request of turn_to_angle */
+        {{0x141u, {0xA5FE0000u, 0x50460000u}}, 1u, 18, 13, 0, 0, 8, 1, 0}, /* 213: request of turn_to_angle */
+        {{0x141u, {0xA501AABBu, 0x50460000u}}, 1u, 18, 14, 0, 0, 8, 1, 0}, /* 214: request of turn_to_angle */
+        {{0x181u, {0xA5280903u, 0x18FC401Fu}}, 1u, 19, 20, 0, 1, 8, 3, 0}, /* 215: reply of turn_to_angle */
+        {{0x182u, {0xA529F006u, 0x17FC411Fu}}, 2u, 19, 21, 0, 8, 8, 3, 0}, /* 216: reply of turn_to_angle */
+        {{0x194u, {0xA52AEF06u, 0x16FC421Fu}}, 20u, 19, 22, 0, 10, 8, 3, 0}, /* 217: reply of turn_to_angle */
+        {{0x1A0u, {0xA52BEE06u, 0x15FC431Fu}}, 32u, 19, 23, 0, 13, 8, 3, 0}, /* 218: reply of turn_to_angle */
+        {{0x141u, {0xA600D002u, 0x50460000u}}, 1u, 20, 0, 0, 0, 8, 3, 0}, /* 219: request of turn_to_angle_at_speed */
+        {{0x141u, {0xA600F401u, 0xA08C0000u}}, 1u, 20, 1, 0, 0, 8, 3, 0}, /* 220: request of turn_to_angle_at_speed */
+        {{0x141u, {0xA601F401u, 0xA08C0000u}}, 1u, 20, 2, 0, 0, 8, 3, 0}, /* 221: request of turn_to_angle_at_speed */
         /* 222: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 20u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 223: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 20u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA600FFFFu, 0xFFFFFFFFu}}, 32u, 20, 3, 0, 0, 8, 3, 0},
+        {{0x160u, {0xA6010000u}}, 32u, 20, 4, 0, 0, 8, 3, 0}, /* 223: request of turn_to_angle_at_speed */
         /* 224: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x00u, 0x01u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 20u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA6000100u, 0x01000000u}}, 32u, 20, 5, 0, 0, 8, 3, 0},
         /* 225: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x01u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x83u}}, 32u, 20u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 226: reply of turn_to_angle_at_speed */
-        {{0x181u, {0xA6u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 21u, 20u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 227: reply of turn_to_angle_at_speed */
-        {{0x182u, {0xA6u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 21u, 21u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA6010201u, 0x06050483u}}, 32u, 20, 6, 0, 0, 8, 3, 0},
+        {{0x181u, {0xA6280903u, 0x18FC401Fu}}, 1u, 21, 20, 0, 1, 8, 3, 0}, /* 226: reply of turn_to_angle_at_speed */
+        {{0x182u, {0xA629F006u, 0x17FC411Fu}}, 2u, 21, 21, 0, 8, 8, 3, 0}, /* 227: reply of turn_to_angle_at_speed */
         /* 228: reply of turn_to_angle_at_speed */
-        {{0x194u, {0xA6u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 21u, 22u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xA62AEF06u, 0x16FC421Fu}}, 20u, 21, 22, 0, 10, 8, 3, 0},
         /* 229: reply of turn_to_angle_at_speed */
-        {{0x1A0u, {0xA6u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 21u, 23u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 230: reply of turn_to_angle_at_speed */
-        {{0x181u, {0xA6u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 21u, 24u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 231: request of move_by_angle */
-        {{0x141u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 22u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 232: request of move_by_angle */
-        {{0x141u, {0xA7u, 0x00u, 0xD0u, 0x02u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 22u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 233: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 3u, 22u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 234: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 3u, 22u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 235: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 3u, 22u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 236: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 3u, 22u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 237: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 3u, 22u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 238: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 3u, 22u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 239: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x0Du, 0x0Cu, 0x0Bu, 0x0Au}}, 3u, 22u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 240: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x48u, 0xF4u, 0xFFu, 0xFFu}}, 3u, 22u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 241: reply of move_by_angle */
-        {{0x181u, {0xA7u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 23u, 20u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 242: reply of move_by_angle */
-        {{0x182u, {0xA7u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 23u, 21u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 243: reply of move_by_angle */
-        {{0x194u, {0xA7u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 23u, 22u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 244: reply of move_by_angle */
-        {{0x1A0u, {0xA7u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 23u, 23u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 245: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xD0u, 0x02u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 1u, 24u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 246: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xD0u, 0x02u, 0x48u, 0xF4u, 0xFFu, 0xFFu}}, 1u, 24u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 247: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 24u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 248: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xF4u, 0x01u, 0x60u, 0x73u, 0xFFu, 0xFFu}}, 1u, 24u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xA62BEE06u, 0x15FC431Fu}}, 32u, 21, 23, 0, 13, 8, 3, 0},
+        {{0x181u, {0xA6326400u, 0xF401E803u}}, 1u, 21, 24, 0, 13, 8, 3, 0}, /* 230: reply of turn_to_angle_at_speed */
+        {{0x141u, {0xA7000000u, 0x94110000u}}, 1u, 22, 0, 0, 0, 8, 3, 0}, /* 231: request of move_by_angle */
+        {{0x141u, {0xA700D002u, 0x94110000u}}, 1u, 22, 0, 0, 0, 8, 1, 0}, /* 232: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x94110000u}}, 3u, 22, 0, 0, 0, 8, 3, 0}, /* 233: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x00000080u}}, 3u, 22, 1, 0, 0, 8, 3, 0}, /* 234: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0xFFFFFF7Fu}}, 3u, 22, 2, 0, 0, 8, 3, 0}, /* 235: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0xFFFFFFFFu}}, 3u, 22, 3, 0, 0, 8, 3, 0}, /* 236: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x01000000u}}, 3u, 22, 4, 0, 0, 8, 3, 0}, /* 237: request of move_by_angle */
+        {{0x143u, {0xA7000000u}}, 3u, 22, 5, 0, 0, 8, 3, 0}, /* 238: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x0D0C0B0Au}}, 3u, 22, 6, 0, 0, 8, 3, 0}, /* 239: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x48F4FFFFu}}, 3u, 22, 7, 0, 0, 8, 3, 0}, /* 240: request of move_by_angle */
+        {{0x181u, {0xA7280903u, 0x18FC401Fu}}, 1u, 23, 20, 0, 1, 8, 3, 0}, /* 241: reply of move_by_angle */
+        {{0x182u, {0xA729F006u, 0x17FC411Fu}}, 2u, 23, 21, 0, 8, 8, 3, 0}, /* 242: reply of move_by_angle */
+        {{0x194u, {0xA72AEF06u, 0x16FC421Fu}}, 20u, 23, 22, 0, 10, 8, 3, 0}, /* 243: reply of move_by_angle */
+        {{0x1A0u, {0xA72BEE06u, 0x15FC431Fu}}, 32u, 23, 23, 0, 13, 8, 3, 0}, /* 244: reply of move_by_angle */
+        {{0x141u, {0xA800D002u, 0xB80B0000u}}, 1u, 24, 0, 0, 0, 8, 3, 0}, /* 245: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800D002u, 0x48F4FFFFu}}, 1u, 24, 1, 0, 0, 8, 3, 0}, /* 246: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800F401u, 0xA08C0000u}}, 1u, 24, 2, 0, 0, 8, 3, 0}, /* 247: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800F401u, 0x6073FFFFu}}, 1u, 24, 3, 0, 0, 8, 3, 0}, /* 248: request of move_by_angle_at_speed */
         /* 249: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 24u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA800FFFFu, 0xFFFFFF7Fu}}, 32u, 24, 4, 0, 0, 8, 3, 0},
         /* 250: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 24u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000000u, 0x00000080u}}, 32u, 24, 5, 0, 0, 8, 3, 0},
         /* 251: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 24u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000100u, 0xFFFFFFFFu}}, 32u, 24, 6, 0, 0, 8, 3, 0},
         /* 252: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x03u}}, 32u, 24u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 253: reply of move_by_angle_at_speed */
-        {{0x181u, {0xA8u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 25u, 20u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 254: reply of move_by_angle_at_speed */
-        {{0x182u, {0xA8u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 25u, 21u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000201u, 0x06050403u}}, 32u, 24, 7, 0, 0, 8, 3, 0},
+        {{0x181u, {0xA8280903u, 0x18FC401Fu}}, 1u, 25, 20, 0, 1, 8, 3, 0}, /* 253: reply of move_by_angle_at_speed */
+        {{0x182u, {0xA829F006u, 0x17FC411Fu}}, 2u, 25, 21, 0, 8, 8, 3, 0}, /* 254: reply of move_by_angle_at_speed */
         /* 255: reply of move_by_angle_at_speed */
-        {{0x194u, {0xA8u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 25u, 22u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xA82AEF06u, 0x16FC421Fu}}, 20u, 25, 22, 0, 10, 8, 3, 0},
         /* 256: reply of move_by_angle_at_speed */
-        {{0x1A0u, {0xA8u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 25u, 23u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 257: reply of move_by_angle_at_speed */
-        {{0x181u, {0xA8u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0x2Du, 0x00u}}, 1u, 25u, 25u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 258: request of read_control_parameter_angle_pid */
-        {{0x141u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 26u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 259: request of read_control_parameter_angle_pid */
-        {{0x160u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 26u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xA82BEE06u, 0x15FC431Fu}}, 32u, 25, 23, 0, 13, 8, 3, 0},
+        {{0x181u, {0xA8326400u, 0xF4012D00u}}, 1u, 25, 25, 0, 13, 8, 3, 0}, /* 257: reply of move_by_angle_at_speed */
+        {{0x141u, {0xC00A0000u}}, 1u, 26, 0, 0, 0, 8, 3, 0}, /* 258: request of read_control_parameter_angle_pid */
+        {{0x160u, {0xC00A0000u}}, 32u, 26, 0, 0, 0, 8, 3, 0}, /* 259: request of read_control_parameter_angle_pid */
         /* 260: request of read_control_parameter_angle_pid */
-        {{0x141u, {0xC0u, 0x0Au, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 26u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC00A0102u, 0x03040506u}}, 1u, 26, 0, 0, 0, 8, 1, 0},
         /* 261: reply of read_control_parameter_angle_pid */
-        {{0x181u, {0xC0u, 0x0Au, 0x64u, 0x00u, 0xC8u, 0x00u, 0x2Cu, 0x01u}}, 1u, 27u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC00A6400u, 0xC8002C01u}}, 1u, 27, 0, 0, 0, 8, 3, 0},
         /* 262: reply of read_control_parameter_angle_pid */
-        {{0x182u, {0xC0u, 0x0Au, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 2u, 27u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x182u, {0xC00A0201u, 0x04030605u}}, 2u, 27, 1, 0, 0, 8, 3, 0},
         /* 263: reply of read_control_parameter_angle_pid */
-        {{0x194u, {0xC0u, 0x0Au, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 27u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC00AFFFFu, 0x00000100u}}, 20u, 27, 2, 0, 0, 8, 3, 0},
         /* 264: reply of read_control_parameter_angle_pid */
-        {{0x19Fu, {0xC0u, 0x0Au, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x02u, 0x00u}}, 31u, 27u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x19Fu, {0xC00A0000u, 0xFFFF0200u}}, 31u, 27, 3, 0, 0, 8, 3, 0},
         /* 265: reply of read_control_parameter_angle_pid */
-        {{0x1A0u, {0xC0u, 0x0Au, 0x01u, 0x00u, 0x02u, 0x00u, 0xFFu, 0xFFu}}, 32u, 27u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC00A0100u, 0x0200FFFFu}}, 32u, 27, 4, 0, 0, 8, 3, 0},
         /* 266: reply of read_control_parameter_angle_pid */
-        {{0x189u, {0xC0u, 0x0Au, 0x01u, 0x80u, 0xFFu, 0x7Fu, 0xFDu, 0xFEu}}, 9u, 27u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 267: request of read_control_parameter_speed_pid */
-        {{0x141u, {0xC0u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 28u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 268: request of read_control_parameter_speed_pid */
-        {{0x160u, {0xC0u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 28u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x189u, {0xC00A0180u, 0xFF7FFDFEu}}, 9u, 27, 5, 0, 0, 8, 3, 0},
+        {{0x141u, {0xC00B0000u}}, 1u, 28, 0, 0, 0, 8, 3, 0}, /* 267: request of read_control_parameter_speed_pid */
+        {{0x160u, {0xC00B0000u}}, 32u, 28, 0, 0, 0, 8, 3, 0}, /* 268: request of read_control_parameter_speed_pid */
         /* 269: request of read_control_parameter_speed_pid */
-        {{0x141u, {0xC0u, 0x0Bu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 28u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC00B0102u, 0x03040506u}}, 1u, 28, 0, 0, 0, 8, 1, 0},
         /* 270: reply of read_control_parameter_speed_pid */
-        {{0x181u, {0xC0u, 0x0Bu, 0x64u, 0x00u, 0xC8u, 0x00u, 0x2Cu, 0x01u}}, 1u, 29u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC00B6400u, 0xC8002C01u}}, 1u, 29, 0, 0, 0, 8, 3, 0},
         /* 271: reply of read_control_parameter_speed_pid */
-        {{0x182u, {0xC0u, 0x0Bu, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 2u, 29u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x182u, {0xC00B0201u, 0x04030605u}}, 2u, 29, 1, 0, 0, 8, 3, 0},
         /* 272: reply of read_control_parameter_speed_pid */
-        {{0x194u, {0xC0u, 0x0Bu, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 29u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC00BFFFFu, 0x00000100u}}, 20u, 29, 2, 0, 0, 8, 3, 0},
         /* 273: reply of read_control_parameter_speed_pid */
-        {{0x19Fu, {0xC0u, 0x0Bu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x02u, 0x00u}}, 31u, 29u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x19Fu, {0xC00B0000u, 0xFFFF0200u}}, 31u, 29, 3, 0, 0, 8, 3, 0},
         /* 274: reply of read_control_parameter_speed_pid */
-        {{0x1A0u, {0xC0u, 0x0Bu, 0x01u, 0x00u, 0x02u, 0x00u, 0xFFu, 0xFFu}}, 32u, 29u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC00B0100u, 0x0200FFFFu}}, 32u, 29, 4, 0, 0, 8, 3, 0},
         /* 275: reply of read_control_parameter_speed_pid */
-        {{0x189u, {0xC0u, 0x0Bu, 0x01u, 0x80u, 0xFFu, 0x7Fu, 0xFDu, 0xFEu}}, 9u, 29u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 276: request of read_control_parameter_current_pid */
-        {{0x141u, {0xC0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 277: request of read_control_parameter_current_pid */
-        {{0x160u, {0xC0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x189u, {0xC00B0180u, 0xFF7FFDFEu}}, 9u, 29, 5, 0, 0, 8, 3, 0},
+        {{0x141u, {0xC00C0000u}}, 1u, 30, 0, 0, 0, 8, 3, 0}, /* 276: request of read_control_parameter_current_pid */
+        {{0x160u, {0xC00C0000u}}, 32u, 30, 0, 0, 0, 8, 3, 0}, /* 277: request of read_control_parameter_current_pid */
         /* 278: request of read_control_parameter_current_pid */
-        {{0x141u, {0xC0u, 0x0Cu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC00C0102u, 0x03040506u}}, 1u, 30, 0, 0, 0, 8, 1, 0},
         /* 279: reply of read_control_parameter_current_pid */
-        {{0x181u, {0xC0u, 0x0Cu, 0x64u, 0x00u, 0xC8u, 0x00u, 0x2Cu, 0x01u}}, 1u, 31u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC00C6400u, 0xC8002C01u}}, 1u, 31, 0, 0, 0, 8, 3, 0},
         /* 280: reply of read_control_parameter_current_pid */
-        {{0x182u, {0xC0u, 0x0Cu, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 2u, 31u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x182u, {0xC00C0201u, 0x04030605u}}, 2u, 31, 1, 0, 0, 8, 3, 0},
         /* 281: reply of read_control_parameter_current_pid */
-        {{0x194u, {0xC0u, 0x0Cu, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 31u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC00CFFFFu, 0x00000100u}}, 20u, 31, 2, 0, 0, 8, 3, 0},
         /* 282: reply of read_control_parameter_current_pid */
-        {{0x19Fu, {0xC0u, 0x0Cu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x02u, 0x00u}}, 31u, 31u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x19Fu, {0xC00C0000u, 0xFFFF0200u}}, 31u, 31, 3, 0, 0, 8, 3, 0},
         /* 283: reply of read_control_parameter_current_pid */
-        {{0x1A0u, {0xC0u, 0x0Cu, 0x01u, 0x00u, 0x02u, 0x00u, 0xFFu, 0xFFu}}, 32u, 31u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC00C0100u, 0x0200FFFFu}}, 32u, 31, 4, 0, 0, 8, 3, 0},
         /* 284: reply of read_control_parameter_current_pid */
-        {{0x189u, {0xC0u, 0x0Cu, 0x01u, 0x80u, 0xFFu, 0x7Fu, 0xFDu, 0xFEu}}, 9u, 31u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x189u, {0xC00C0180u, 0xFF7FFDFEu}}, 9u, 31, 5, 0, 0, 8, 3, 0},
         /* 285: request of read_control_parameter_max_torque_current */
-        {{0x141u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 32u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC01E0000u}}, 1u, 32, 0, 0, 0, 8, 3, 0},
         /* 286: request of read_control_parameter_max_torque_current */
-        {{0x160u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 32u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC01E0000u}}, 32u, 32, 0, 0, 0, 8, 3, 0},
         /* 287: request of read_control_parameter_max_torque_current */
-        {{0x141u, {0xC0u, 0x1Eu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 32u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC01E0102u, 0x03040506u}}, 1u, 32, 0, 0, 0, 8, 1, 0},
         /* 288: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 33u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0xD0070000u}}, 1u, 33, 0, 0, 0, 8, 3, 0},
         /* 289: reply of read_control_parameter_max_torque_current */
-        {{0x194u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u}}, 20u, 33u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC01E0000u, 0x00800000u}}, 20u, 33, 1, 0, 0, 8, 3, 0},
         /* 290: reply of read_control_parameter_max_torque_current */
-        {{0x1A0u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0x7Fu, 0x00u, 0x00u}}, 32u, 33u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC01E0000u, 0xFF7F0000u}}, 32u, 33, 2, 0, 0, 8, 3, 0},
         /* 291: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 33u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0xFFFF0000u}}, 1u, 33, 3, 0, 0, 8, 3, 0},
         /* 292: reply of read_control_parameter_max_torque_current */
-        {{0x194u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 33u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC01E0000u}}, 20u, 33, 4, 0, 0, 8, 3, 0},
         /* 293: reply of read_control_parameter_max_torque_current */
-        {{0x1A0u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 33u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC01E0000u, 0x01000000u}}, 32u, 33, 5, 0, 0, 8, 3, 0},
         /* 294: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 1u, 33u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0x02010000u}}, 1u, 33, 6, 0, 0, 8, 3, 0},
         /* 295: reply of read_control_parameter_max_torque_current */
-        {{0x194u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xFCu, 0xFCu, 0x00u, 0x00u}}, 20u, 33u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC01E0000u, 0xFCFC0000u}}, 20u, 33, 7, 0, 0, 8, 3, 0},
         /* 296: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x5Bu, 0x5Bu}}, 1u, 33u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 297: request of read_control_parameter_max_speed */
-        {{0x141u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 34u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 298: request of read_control_parameter_max_speed */
-        {{0x160u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 34u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E5A5Au, 0x34125B5Bu}}, 1u, 33, 8, 0, 0, 8, 1, 0},
+        {{0x141u, {0xC0200000u}}, 1u, 34, 0, 0, 0, 8, 3, 0}, /* 297: request of read_control_parameter_max_speed */
+        {{0x160u, {0xC0200000u}}, 32u, 34, 0, 0, 0, 8, 3, 0}, /* 298: request of read_control_parameter_max_speed */
         /* 299: request of read_control_parameter_max_speed */
-        {{0x141u, {0xC0u, 0x20u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 34u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC0200102u, 0x03040506u}}, 1u, 34, 0, 0, 0, 8, 1, 0},
         /* 300: reply of read_control_parameter_max_speed */
-        {{0x181u, {0xC0u, 0x20u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 35u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0200000u, 0xA08C0000u}}, 1u, 35, 0, 0, 0, 8, 3, 0},
         /* 301: reply of read_control_parameter_max_speed */
-        {{0x194u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 35u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0200000u, 0x00000080u}}, 20u, 35, 1, 0, 0, 8, 3, 0},
         /* 302: reply of read_control_parameter_max_speed */
-        {{0x1A0u, {0xC0u, 0x20u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 35u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0200000u, 0xFFFFFF7Fu}}, 32u, 35, 2, 0, 0, 8, 3, 0},
         /* 303: reply of read_control_parameter_max_speed */
-        {{0x181u, {0xC0u, 0x20u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 35u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 304: reply of read_control_parameter_max_speed */
-        {{0x194u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 35u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0200000u, 0xFFFFFFFFu}}, 1u, 35, 3, 0, 0, 8, 3, 0},
+        {{0x194u, {0xC0200000u}}, 20u, 35, 4, 0, 0, 8, 3, 0}, /* 304: reply of read_control_parameter_max_speed */
         /* 305: reply of read_control_parameter_max_speed */
-        {{0x1A0u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 35u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0200000u, 0x01000000u}}, 32u, 35, 5, 0, 0, 8, 3, 0},
         /* 306: reply of read_control_parameter_max_speed */
-        {{0x181u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 35u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0200000u, 0x04030201u}}, 1u, 35, 6, 0, 0, 8, 3, 0},
         /* 307: reply of read_control_parameter_max_speed */
-        {{0x194u, {0xC0u, 0x20u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 35u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0200000u, 0xF8F8F9FAu}}, 20u, 35, 7, 0, 0, 8, 3, 0},
         /* 308: reply of read_control_parameter_max_speed */
-        {{0x181u, {0xC0u, 0x20u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 35u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 309: request of read_control_parameter_max_angle */
-        {{0x141u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 36u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 310: request of read_control_parameter_max_angle */
-        {{0x160u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 36u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0205A5Au, 0x34120000u}}, 1u, 35, 8, 0, 0, 8, 1, 0},
+        {{0x141u, {0xC0220000u}}, 1u, 36, 0, 0, 0, 8, 3, 0}, /* 309: request of read_control_parameter_max_angle */
+        {{0x160u, {0xC0220000u}}, 32u, 36, 0, 0, 0, 8, 3, 0}, /* 310: request of read_control_parameter_max_angle */
         /* 311: request of read_control_parameter_max_angle */
-        {{0x141u, {0xC0u, 0x22u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 36u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC0220102u, 0x03040506u}}, 1u, 36, 0, 0, 0, 8, 1, 0},
         /* 312: reply of read_control_parameter_max_angle */
-        {{0x181u, {0xC0u, 0x22u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 37u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0220000u, 0xA08C0000u}}, 1u, 37, 0, 0, 0, 8, 3, 0},
         /* 313: reply of read_control_parameter_max_angle */
-        {{0x194u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 37u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0220000u, 0x00000080u}}, 20u, 37, 1, 0, 0, 8, 3, 0},
         /* 314: reply of read_control_parameter_max_angle */
-        {{0x1A0u, {0xC0u, 0x22u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 37u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0220000u, 0xFFFFFF7Fu}}, 32u, 37, 2, 0, 0, 8, 3, 0},
         /* 315: reply of read_control_parameter_max_angle */
-        {{0x181u, {0xC0u, 0x22u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 37u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 316: reply of read_control_parameter_max_angle */
-        {{0x194u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 37u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0220000u, 0xFFFFFFFFu}}, 1u, 37, 3, 0, 0, 8, 3, 0},
+        {{0x194u, {0xC0220000u}}, 20u, 37, 4, 0, 0, 8, 3, 0}, /* 316: reply of read_control_parameter_max_angle */
         /* 317: reply of read_control_parameter_max_angle */
-        {{0x1A0u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 37u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0220000u, 0x01000000u}}, 32u, 37, 5, 0, 0, 8, 3, 0},
         /* 318: reply of read_control_parameter_max_angle */
-        {{0x181u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 37u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0220000u, 0x04030201u}}, 1u, 37, 6, 0, 0, 8, 3, 0},
         /* 319: reply of read_control_parameter_max_angle */
-        {{0x194u, {0xC0u, 0x22u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 37u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0220000u, 0xF8F8F9FAu}}, 20u, 37, 7, 0, 0, 8, 3, 0},
         /* 320: reply of read_control_parameter_max_angle */
-        {{0x181u, {0xC0u, 0x22u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 37u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 321: request of read_control_parameter_current_ramp */
-        {{0x141u, {0xC0u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 38u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0225A5Au, 0x34120000u}}, 1u, 37, 8, 0, 0, 8, 1, 0},
+        {{0x141u, {0xC0240000u}}, 1u, 38, 0, 0, 0, 8, 3, 0}, /* 321: request of read_control_parameter_current_ramp */
         /* 322: request of read_control_parameter_current_ramp */
-        {{0x160u, {0xC0u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 38u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC0240000u}}, 32u, 38, 0, 0, 0, 8, 3, 0},
         /* 323: request of read_control_parameter_current_ramp */
-        {{0x141u, {0xC0u, 0x24u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 38u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC0240102u, 0x03040506u}}, 1u, 38, 0, 0, 0, 8, 1, 0},
         /* 324: reply of read_control_parameter_current_ramp */
-        {{0x181u, {0xC0u, 0x24u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 39u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0240000u, 0xA08C0000u}}, 1u, 39, 0, 0, 0, 8, 3, 0},
         /* 325: reply of read_control_parameter_current_ramp */
-        {{0x194u, {0xC0u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 39u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0240000u, 0x00000080u}}, 20u, 39, 1, 0, 0, 8, 3, 0},
         /* 326: reply of read_control_parameter_current_ramp */
-        {{0x1A0u, {0xC0u, 0x24u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 39u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0240000u, 0xFFFFFF7Fu}}, 32u, 39, 2, 0, 0, 8, 3, 0},
         /* 327: reply of read_control_parameter_current_ramp */
-        {{0x181u, {0xC0u, 0x24u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 39u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 328: reply of read_control_parameter_current_ramp */
-        {{0x194u, {0xC0u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 39u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0240000u, 0xFFFFFFFFu}}, 1u, 39, 3, 0, 0, 8, 3, 0},
+        {{0x194u, {0xC0240000u}}, 20u, 39, 4, 0, 0, 8, 3, 0}, /* 328: reply of read_control_parameter_current_ramp */
         /* 329: reply of read_control_parameter_current_ramp */
-        {{0x1A0u, {0xC0u, 0x24u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 39u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0240000u, 0x01000000u}}, 32u, 39, 5, 0, 0, 8, 3, 0},
         /* 330: reply of read_control_parameter_current_ramp */
-        {{0x181u, {0xC0u, 0x24u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 39u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0240000u, 0x04030201u}}, 1u, 39, 6, 0, 0, 8, 3, 0},
         /* 331: reply of read_control_parameter_current_ramp */
-        {{0x194u, {0xC0u, 0x24u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 39u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0240000u, 0xF8F8F9FAu}}, 20u, 39, 7, 0, 0, 8, 3, 0},
         /* 332: reply of read_control_parameter_current_ramp */
-        {{0x181u, {0xC0u, 0x24u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 39u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 333: request of read_control_parameter_speed_ramp */
-        {{0x141u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 334: request of read_control_parameter_speed_ramp */
-        {{0x160u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0245A5Au, 0x34120000u}}, 1u, 39, 8, 0, 0, 8, 1, 0},
+        {{0x141u, {0xC0260000u}}, 1u, 40, 0, 0, 0, 8, 3, 0}, /* 333: request of read_control_parameter_speed_ramp */
+        {{0x160u, {0xC0260000u}}, 32u, 40, 0, 0, 0, 8, 3, 0}, /* 334: request of read_control_parameter_speed_ramp */
         /* 335: request of read_control_parameter_speed_ramp */
-        {{0x141u, {0xC0u, 0x26u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u}}, 1u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC0260102u, 0x03040506u}}, 1u, 40, 0, 0, 0, 8, 1, 0},
         /* 336: reply of read_control_parameter_speed_ramp */
-        {{0x181u, {0xC0u, 0x26u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 41u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0260000u, 0xA08C0000u}}, 1u, 41, 0, 0, 0, 8, 3, 0},
         /* 337: reply of read_control_parameter_speed_ramp */
-        {{0x194u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 41u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0260000u, 0x00000080u}}, 20u, 41, 1, 0, 0, 8, 3, 0},
         /* 338: reply of read_control_parameter_speed_ramp */
-        {{0x1A0u, {0xC0u, 0x26u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 41u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0260000u, 0xFFFFFF7Fu}}, 32u, 41, 2, 0, 0, 8, 3, 0},
         /* 339: reply of read_control_parameter_speed_ramp */
-        {{0x181u, {0xC0u, 0x26u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 41u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 340: reply of read_control_parameter_speed_ramp */
-        {{0x194u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 41u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0260000u, 0xFFFFFFFFu}}, 1u, 41, 3, 0, 0, 8, 3, 0},
+        {{0x194u, {0xC0260000u}}, 20u, 41, 4, 0, 0, 8, 3, 0}, /* 340: reply of read_control_parameter_speed_ramp */
         /* 341: reply of read_control_parameter_speed_ramp */
-        {{0x1A0u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 41u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0260000u, 0x01000000u}}, 32u, 41, 5, 0, 0, 8, 3, 0},
         /* 342: reply of read_control_parameter_speed_ramp */
-        {{0x181u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 41u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0260000u, 0x04030201u}}, 1u, 41, 6, 0, 0, 8, 3, 0},
         /* 343: reply of read_control_parameter_speed_ramp */
-        {{0x194u, {0xC0u, 0x26u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 41u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0260000u, 0xF8F8F9FAu}}, 20u, 41, 7, 0, 0, 8, 3, 0},
         /* 344: reply of read_control_parameter_speed_ramp */
-        {{0x181u, {0xC0u, 0x26u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 41u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC0265A5Au, 0x34120000u}}, 1u, 41, 8, 0, 0, 8, 1, 0},
         /* 345: request of write_control_parameter_ram_angle_pid */
-        {{0x141u, {0xC1u, 0x0Au, 0x64u, 0x00u, 0xC8u, 0x00u, 0x2Cu, 0x01u}}, 1u, 42u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC10A6400u, 0xC8002C01u}}, 1u, 42, 0, 0, 0, 8, 3, 0},
         /* 346: request of write_control_parameter_ram_angle_pid */
-        {{0x142u, {0xC1u, 0x0Au, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 2u, 42u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x142u, {0xC10A0201u, 0x04030605u}}, 2u, 42, 1, 0, 0, 8, 3, 0},
         /* 347: request of write_control_parameter_ram_angle_pid */
-        {{0x154u, {0xC1u, 0x0Au, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 42u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC10AFFFFu, 0x00000100u}}, 20u, 42, 2, 0, 0, 8, 3, 0},
         /* 348: request of write_control_parameter_ram_angle_pid */
-        {{0x15Fu, {0xC1u, 0x0Au, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x02u, 0x00u}}, 31u, 42u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x15Fu, {0xC10A0000u, 0xFFFF0200u}}, 31u, 42, 3, 0, 0, 8, 3, 0},
         /* 349: request of write_control_parameter_ram_angle_pid */
-        {{0x160u, {0xC1u, 0x0Au, 0x01u, 0x00u, 0x02u, 0x00u, 0xFFu, 0xFFu}}, 32u, 42u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC10A0100u, 0x0200FFFFu}}, 32u, 42, 4, 0, 0, 8, 3, 0},
         /* 350: request of write_control_parameter_ram_angle_pid */
-        {{0x149u, {0xC1u, 0x0Au, 0x01u, 0x80u, 0xFFu, 0x7Fu, 0xFDu, 0xFEu}}, 9u, 42u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x149u, {0xC10A0180u, 0xFF7FFDFEu}}, 9u, 42, 5, 0, 0, 8, 3, 0},
         /* 351: reply of write_control_parameter_ram_angle_pid */
-        {{0x181u, {0xC1u, 0x0Au, 0x64u, 0x00u, 0xC8u, 0x00u, 0x2Cu, 0x01u}}, 1u, 43u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC10A6400u, 0xC8002C01u}}, 1u, 43, 0, 0, 0, 8, 3, 0},
         /* 352: reply of write_control_parameter_ram_angle_pid */
-        {{0x182u, {0xC1u, 0x0Au, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 2u, 43u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x182u, {0xC10A0201u, 0x04030605u}}, 2u, 43, 1, 0, 0, 8, 3, 0},
         /* 353: reply of write_control_parameter_ram_angle_pid */
-        {{0x194u, {0xC1u, 0x0Au, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 43u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC10AFFFFu, 0x00000100u}}, 20u, 43, 2, 0, 0, 8, 3, 0},
         /* 354: reply of write_control_parameter_ram_angle_pid */
-        {{0x19Fu, {0xC1u, 0x0Au, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x02u, 0x00u}}, 31u, 43u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x19Fu, {0xC10A0000u, 0xFFFF0200u}}, 31u, 43, 3, 0, 0, 8, 3, 0},
         /* 355: reply of write_control_parameter_ram_angle_pid */
-        {{0x1A0u, {0xC1u, 0x0Au, 0x01u, 0x00u, 0x02u, 0x00u, 0xFFu, 0xFFu}}, 32u, 43u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC10A0100u, 0x0200FFFFu}}, 32u, 43, 4, 0, 0, 8, 3, 0},
         /* 356: reply of write_control_parameter_ram_angle_pid */
-        {{0x189u, {0xC1u, 0x0Au, 0x01u, 0x80u, 0xFFu, 0x7Fu, 0xFDu, 0xFEu}}, 9u, 43u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x189u, {0xC10A0180u, 0xFF7FFDFEu}}, 9u, 43, 5, 0, 0, 8, 3, 0},
         /* 357: request of write_control_parameter_ram_speed_pid */
-        {{0x141u, {0xC1u, 0x0Bu, 0x64u, 0x00u, 0xC8u, 0x00u, 0x2Cu, 0x01u}}, 1u, 44u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC10B6400u, 0xC8002C01u}}, 1u, 44, 0, 0, 0, 8, 3, 0},
         /* 358: request of write_control_parameter_ram_speed_pid */
-        {{0x142u, {0xC1u, 0x0Bu, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 2u, 44u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x142u, {0xC10B0201u, 0x04030605u}}, 2u, 44, 1, 0, 0, 8, 3, 0},
         /* 359: request of write_control_parameter_ram_speed_pid */
-        {{0x154u, {0xC1u, 0x0Bu, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 44u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC10BFFFFu, 0x00000100u}}, 20u, 44, 2, 0, 0, 8, 3, 0},
         /* 360: request of write_control_parameter_ram_speed_pid */
-        {{0x15Fu, {0xC1u, 0x0Bu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x02u, 0x00u}}, 31u, 44u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x15Fu, {0xC10B0000u, 0xFFFF0200u}}, 31u, 44, 3, 0, 0, 8, 3, 0},
         /* 361: request of write_control_parameter_ram_speed_pid */
-        {{0x160u, {0xC1u, 0x0Bu, 0x01u, 0x00u, 0x02u, 0x00u, 0xFFu, 0xFFu}}, 32u, 44u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC10B0100u, 0x0200FFFFu}}, 32u, 44, 4, 0, 0, 8, 3, 0},
         /* 362: request of write_control_parameter_ram_speed_pid */
-        {{0x149u, {0xC1u, 0x0Bu, 0x01u, 0x80u, 0xFFu, 0x7Fu, 0xFDu, 0xFEu}}, 9u, 44u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x149u, {0xC10B0180u, 0xFF7FFDFEu}}, 9u, 44, 5, 0, 0, 8, 3, 0},
         /* 363: reply of write_control_parameter_ram_speed_pid */
-        {{0x181u, {0xC1u, 0x0Bu, 0x64u, 0x00u, 0xC8u, 0x00u, 0x2Cu, 0x01u}}, 1u, 45u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC10B6400u, 0xC8002C01u}}, 1u, 45, 0, 0, 0, 8, 3, 0},
         /* 364: reply of write_control_parameter_ram_speed_pid */
-        {{0x182u, {0xC1u, 0x0Bu, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 2u, 45u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x182u, {0xC10B0201u, 0x04030605u}}, 2u, 45, 1, 0, 0, 8, 3, 0},
         /* 365: reply of write_control_parameter_ram_speed_pid */
-        {{0x194u, {0xC1u, 0x0Bu, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 45u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC10BFFFFu, 0x00000100u}}, 20u, 45, 2, 0, 0, 8, 3, 0},
         /* 366: reply of write_control_parameter_ram_speed_pid */
-        {{0x19Fu, {0xC1u, 0x0Bu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x02u, 0x00u}}, 31u, 45u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x19Fu, {0xC10B0000u, 0xFFFF0200u}}, 31u, 45, 3, 0, 0, 8, 3, 0},
         /* 367: reply of write_control_parameter_ram_speed_pid */
-        {{0x1A0u, {0xC1u, 0x0Bu, 0x01u, 0x00u, 0x02u, 0x00u, 0xFFu, 0xFFu}}, 32u, 45u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC10B0100u, 0x0200FFFFu}}, 32u, 45, 4, 0, 0, 8, 3, 0},
         /* 368: reply of write_control_parameter_ram_speed_pid */
-        {{0x189u, {0xC1u, 0x0Bu, 0x01u, 0x80u, 0xFFu, 0x7Fu, 0xFDu, 0xFEu}}, 9u, 45u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x189u, {0xC10B0180u, 0xFF7FFDFEu}}, 9u, 45, 5, 0, 0, 8, 3, 0},
         /* 369: request of write_control_parameter_ram_current_pid */
-        {{0x141u, {0xC1u, 0x0Cu, 0x64u, 0x00u, 0xC8u, 0x00u, 0x2Cu, 0x01u}}, 1u, 46u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC10C6400u, 0xC8002C01u}}, 1u, 46, 0, 0, 0, 8, 3, 0},
         /* 370: request of write_control_parameter_ram_current_pid */
-        {{0x142u, {0xC1u, 0x0Cu, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 2u, 46u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x142u, {0xC10C0201u, 0x04030605u}}, 2u, 46, 1, 0, 0, 8, 3, 0},
         /* 371: request of write_control_parameter_ram_current_pid */
-        {{0x154u, {0xC1u, 0x0Cu, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 46u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC10CFFFFu, 0x00000100u}}, 20u, 46, 2, 0, 0, 8, 3, 0},
         /* 372: request of write_control_parameter_ram_current_pid */
-        {{0x15Fu, {0xC1u, 0x0Cu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x02u, 0x00u}}, 31u, 46u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x15Fu, {0xC10C0000u, 0xFFFF0200u}}, 31u, 46, 3, 0, 0, 8, 3, 0},
         /* 373: request of write_control_parameter_ram_current_pid */
-        {{0x160u, {0xC1u, 0x0Cu, 0x01u, 0x00u, 0x02u, 0x00u, 0xFFu, 0xFFu}}, 32u, 46u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC10C0100u, 0x0200FFFFu}}, 32u, 46, 4, 0, 0, 8, 3, 0},
         /* 374: request of write_control_parameter_ram_current_pid */
-        {{0x149u, {0xC1u, 0x0Cu, 0x01u, 0x80u, 0xFFu, 0x7Fu, 0xFDu, 0xFEu}}, 9u, 46u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x149u, {0xC10C0180u, 0xFF7FFDFEu}}, 9u, 46, 5, 0, 0, 8, 3, 0},
         /* 375: reply of write_control_parameter_ram_current_pid */
-        {{0x181u, {0xC1u, 0x0Cu, 0x64u, 0x00u, 0xC8u, 0x00u, 0x2Cu, 0x01u}}, 1u, 47u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC10C6400u, 0xC8002C01u}}, 1u, 47, 0, 0, 0, 8, 3, 0},
         /* 376: reply of write_control_parameter_ram_current_pid */
-        {{0x182u, {0xC1u, 0x0Cu, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 2u, 47u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x182u, {0xC10C0201u, 0x04030605u}}, 2u, 47, 1, 0, 0, 8, 3, 0},
         /* 377: reply of write_control_parameter_ram_current_pid */
-        {{0x194u, {0xC1u, 0x0Cu, 0xFFu, 0xFFu, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 47u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC10CFFFFu, 0x00000100u}}, 20u, 47, 2, 0, 0, 8, 3, 0},
         /* 378: reply of write_control_parameter_ram_current_pid */
-        {{0x19Fu, {0xC1u, 0x0Cu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x02u, 0x00u}}, 31u, 47u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x19Fu, {0xC10C0000u, 0xFFFF0200u}}, 31u, 47, 3, 0, 0, 8, 3, 0},
         /* 379: reply of write_control_parameter_ram_current_pid */
-        {{0x1A0u, {0xC1u, 0x0Cu, 0x01u, 0x00u, 0x02u, 0x00u, 0xFFu, 0xFFu}}, 32u, 47u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC10C0100u, 0x0200FFFFu}}, 32u, 47, 4, 0, 0, 8, 3, 0},
         /* 380: reply of write_control_parameter_ram_current_pid */
-        {{0x189u, {0xC1u, 0x0Cu, 0x01u, 0x80u, 0xFFu, 0x7Fu, 0xFDu, 0xFEu}}, 9u, 47u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x189u, {0xC10C0180u, 0xFF7FFDFEu}}, 9u, 47, 5, 0, 0, 8, 3, 0},
         /* 381: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 48u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0xD0070000u}}, 1u, 48, 0, 0, 0, 8, 3, 0},
         /* 382: request of write_control_parameter_ram_max_torque_current */
-        {{0x154u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u}}, 20u, 48u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC11E0000u, 0x00800000u}}, 20u, 48, 1, 0, 0, 8, 3, 0},
         /* 383: request of write_control_parameter_ram_max_torque_current */
-        {{0x160u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0x7Fu, 0x00u, 0x00u}}, 32u, 48u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC11E0000u, 0xFF7F0000u}}, 32u, 48, 2, 0, 0, 8, 3, 0},
         /* 384: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 48u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0xFFFF0000u}}, 1u, 48, 3, 0, 0, 8, 3, 0},
         /* 385: request of write_control_parameter_ram_max_torque_current */
-        {{0x154u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 48u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC11E0000u}}, 20u, 48, 4, 0, 0, 8, 3, 0},
         /* 386: request of write_control_parameter_ram_max_torque_current */
-        {{0x160u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 48u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC11E0000u, 0x01000000u}}, 32u, 48, 5, 0, 0, 8, 3, 0},
         /* 387: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 1u, 48u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0x02010000u}}, 1u, 48, 6, 0, 0, 8, 3, 0},
         /* 388: request of write_control_parameter_ram_max_torque_current */
-        {{0x154u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xFCu, 0xFCu, 0x00u, 0x00u}}, 20u, 48u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC11E0000u, 0xFCFC0000u}}, 20u, 48, 7, 0, 0, 8, 3, 0},
         /* 389: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x5Bu, 0x5Bu}}, 1u, 48u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC11E5A5Au, 0x34125B5Bu}}, 1u, 48, 8, 0, 0, 8, 1, 0},
         /* 390: reply of write_control_parameter_ram_max_torque_current */
-        {{0x181u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 49u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC11E0000u, 0xD0070000u}}, 1u, 49, 0, 0, 0, 8, 3, 0},
         /* 391: reply of write_control_parameter_ram_max_torque_current */
-        {{0x194u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u}}, 20u, 49u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC11E0000u, 0x00800000u}}, 20u, 49, 1, 0, 0, 8, 3, 0},
         /* 392: reply of write_control_parameter_ram_max_torque_current */
-        {{0x1A0u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0x7Fu, 0x00u, 0x00u}}, 32u, 49u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC11E0000u, 0xFF7F0000u}}, 32u, 49, 2, 0, 0, 8, 3, 0},
         /* 393: reply of write_control_parameter_ram_max_torque_current */
-        {{0x181u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 49u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC11E0000u, 0xFFFF0000u}}, 1u, 49, 3, 0, 0, 8, 3, 0},
         /* 394: reply of write_control_parameter_ram_max_torque_current */
-        {{0x194u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 49u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC11E0000u}}, 20u, 49, 4, 0, 0, 8, 3, 0},
         /* 395: reply of write_control_parameter_ram_max_torque_current */
-        {{0x1A0u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 49u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC11E0000u, 0x01000000u}}, 32u, 49, 5, 0, 0, 8, 3, 0},
         /* 396: reply of write_control_parameter_ram_max_torque_current */
-        {{0x181u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 1u, 49u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC11E0000u, 0x02010000u}}, 1u, 49, 6, 0, 0, 8, 3, 0},
         /* 397: reply of write_control_parameter_ram_max_torque_current */
-        {{0x194u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xFCu, 0xFCu, 0x00u, 0x00u}}, 20u, 49u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC11E0000u, 0xFCFC0000u}}, 20u, 49, 7, 0, 0, 8, 3, 0},
         /* 398: reply of write_control_parameter_ram_max_torque_current */
-        {{0x181u, {0xC1u, 0x1Eu, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x5Bu, 0x5Bu}}, 1u, 49u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC11E5A5Au, 0x34125B5Bu}}, 1u, 49, 8, 0, 0, 8, 1, 0},
         /* 399: request of write_control_parameter_ram_max_speed */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 50u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1200000u, 0xA08C0000u}}, 1u, 50, 0, 0, 0, 8, 3, 0},
         /* 400: request of write_control_parameter_ram_max_speed */
-        {{0x154u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 50u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1200000u, 0x00000080u}}, 20u, 50, 1, 0, 0, 8, 3, 0},
         /* 401: request of write_control_parameter_ram_max_speed */
-        {{0x160u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 50u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1200000u, 0xFFFFFF7Fu}}, 32u, 50, 2, 0, 0, 8, 3, 0},
         /* 402: request of write_control_parameter_ram_max_speed */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 50u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1200000u, 0xFFFFFFFFu}}, 1u, 50, 3, 0, 0, 8, 3, 0},
         /* 403: request of write_control_parameter_ram_max_speed */
-        {{0x154u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 50u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1200000u}}, 20u, 50, 4, 0, 0, 8, 3, 0},
         /* 404: request of write_control_parameter_ram_max_speed */
-        {{0x160u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 50u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1200000u, 0x01000000u}}, 32u, 50, 5, 0, 0, 8, 3, 0},
         /* 405: request of write_control_parameter_ram_max_speed */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 50u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1200000u, 0x04030201u}}, 1u, 50, 6, 0, 0, 8, 3, 0},
         /* 406: request of write_control_parameter_ram_max_speed */
-        {{0x154u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 50u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1200000u, 0xF8F8F9FAu}}, 20u, 50, 7, 0, 0, 8, 3, 0},
         /* 407: request of write_control_parameter_ram_max_speed */
-        {{0x141u, {0xC1u, 0x20u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 50u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1205A5Au, 0x34120000u}}, 1u, 50, 8, 0, 0, 8, 1, 0},
         /* 408: reply of write_control_parameter_ram_max_speed */
-        {{0x181u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 51u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1200000u, 0xA08C0000u}}, 1u, 51, 0, 0, 0, 8, 3, 0},
         /* 409: reply of write_control_parameter_ram_max_speed */
-        {{0x194u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 51u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1200000u, 0x00000080u}}, 20u, 51, 1, 0, 0, 8, 3, 0},
         /* 410: reply of write_control_parameter_ram_max_speed */
-        {{0x1A0u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 51u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1200000u, 0xFFFFFF7Fu}}, 32u, 51, 2, 0, 0, 8, 3, 0},
         /* 411: reply of write_control_parameter_ram_max_speed */
-        {{0x181u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 51u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1200000u, 0xFFFFFFFFu}}, 1u, 51, 3, 0, 0, 8, 3, 0},
         /* 412: reply of write_control_parameter_ram_max_speed */
-        {{0x194u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 51u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1200000u}}, 20u, 51, 4, 0, 0, 8, 3, 0},
         /* 413: reply of write_control_parameter_ram_max_speed */
-        {{0x1A0u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 51u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1200000u, 0x01000000u}}, 32u, 51, 5, 0, 0, 8, 3, 0},
         /* 414: reply of write_control_parameter_ram_max_speed */
-        {{0x181u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 51u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1200000u, 0x04030201u}}, 1u, 51, 6, 0, 0, 8, 3, 0},
         /* 415: reply of write_control_parameter_ram_max_speed */
-        {{0x194u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 51u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1200000u, 0xF8F8F9FAu}}, 20u, 51, 7, 0, 0, 8, 3, 0},
         /* 416: reply of write_control_parameter_ram_max_speed */
-        {{0x181u, {0xC1u, 0x20u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 51u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC1205A5Au, 0x34120000u}}, 1u, 51, 8, 0, 0, 8, 1, 0},
         /* 417: request of write_control_parameter_ram_max_angle */
-        {{0x141u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 52u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1220000u, 0xA08C0000u}}, 1u, 52, 0, 0, 0, 8, 3, 0},
         /* 418: request of write_control_parameter_ram_max_angle */
-        {{0x154u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 52u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1220000u, 0x00000080u}}, 20u, 52, 1, 0, 0, 8, 3, 0},
         /* 419: request of write_control_parameter_ram_max_angle */
-        {{0x160u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 52u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1220000u, 0xFFFFFF7Fu}}, 32u, 52, 2, 0, 0, 8, 3, 0},
         /* 420: request of write_control_parameter_ram_max_angle */
-        {{0x141u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 52u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1220000u, 0xFFFFFFFFu}}, 1u, 52, 3, 0, 0, 8, 3, 0},
         /* 421: request of write_control_parameter_ram_max_angle */
-        {{0x154u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 52u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1220000u}}, 20u, 52, 4, 0, 0, 8, 3, 0},
         /* 422: request of write_control_parameter_ram_max_angle */
-        {{0x160u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 52u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1220000u, 0x01000000u}}, 32u, 52, 5, 0, 0, 8, 3, 0},
         /* 423: request of write_control_parameter_ram_max_angle */
-        {{0x141u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 52u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1220000u, 0x04030201u}}, 1u, 52, 6, 0, 0, 8, 3, 0},
         /* 424: request of write_control_parameter_ram_max_angle */
-        {{0x154u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 52u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1220000u, 0xF8F8F9FAu}}, 20u, 52, 7, 0, 0, 8, 3, 0},
         /* 425: request of write_control_parameter_ram_max_angle */
-        {{0x141u, {0xC1u, 0x22u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 52u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1225A5Au, 0x34120000u}}, 1u, 52, 8, 0, 0, 8, 1, 0},
         /* 426: reply of write_control_parameter_ram_max_angle */
-        {{0x181u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 53u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1220000u, 0xA08C0000u}}, 1u, 53, 0, 0, 0, 8, 3, 0},
         /* 427: reply of write_control_parameter_ram_max_angle */
-        {{0x194u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 53u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1220000u, 0x00000080u}}, 20u, 53, 1, 0, 0, 8, 3, 0},
         /* 428: reply of write_control_parameter_ram_max_angle */
-        {{0x1A0u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 53u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1220000u, 0xFFFFFF7Fu}}, 32u, 53, 2, 0, 0, 8, 3, 0},
         /* 429: reply of write_control_parameter_ram_max_angle */
-        {{0x181u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 53u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1220000u, 0xFFFFFFFFu}}, 1u, 53, 3, 0, 0, 8, 3, 0},
         /* 430: reply of write_control_parameter_ram_max_angle */
-        {{0x194u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 53u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1220000u}}, 20u, 53, 4, 0, 0, 8, 3, 0},
         /* 431: reply of write_control_parameter_ram_max_angle */
-        {{0x1A0u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 53u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1220000u, 0x01000000u}}, 32u, 53, 5, 0, 0, 8, 3, 0},
         /* 432: reply of write_control_parameter_ram_max_angle */
-        {{0x181u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 53u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1220000u, 0x04030201u}}, 1u, 53, 6, 0, 0, 8, 3, 0},
         /* 433: reply of write_control_parameter_ram_max_angle */
-        {{0x194u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 53u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1220000u, 0xF8F8F9FAu}}, 20u, 53, 7, 0, 0, 8, 3, 0},
         /* 434: reply of write_control_parameter_ram_max_angle */
-        {{0x181u, {0xC1u, 0x22u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 53u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC1225A5Au, 0x34120000u}}, 1u, 53, 8, 0, 0, 8, 1, 0},
         /* 435: request of write_control_parameter_ram_current_ramp */
-        {{0x141u, {0xC1u, 0x24u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 54u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1240000u, 0xA08C0000u}}, 1u, 54, 0, 0, 0, 8, 3, 0},
         /* 436: request of write_control_parameter_ram_current_ramp */
-        {{0x154u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 54u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1240000u, 0x00000080u}}, 20u, 54, 1, 0, 0, 8, 3, 0},
         /* 437: request of write_control_parameter_ram_current_ramp */
-        {{0x160u, {0xC1u, 0x24u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 54u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1240000u, 0xFFFFFF7Fu}}, 32u, 54, 2, 0, 0, 8, 3, 0},
         /* 438: request of write_control_parameter_ram_current_ramp */
-        {{0x141u, {0xC1u, 0x24u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 54u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1240000u, 0xFFFFFFFFu}}, 1u, 54, 3, 0, 0, 8, 3, 0},
         /* 439: request of write_control_parameter_ram_current_ramp */
-        {{0x154u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 54u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1240000u}}, 20u, 54, 4, 0, 0, 8, 3, 0},
         /* 440: request of write_control_parameter_ram_current_ramp */
-        {{0x160u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 54u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1240000u, 0x01000000u}}, 32u, 54, 5, 0, 0, 8, 3, 0},
         /* 441: request of write_control_parameter_ram_current_ramp */
-        {{0x141u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 54u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1240000u, 0x04030201u}}, 1u, 54, 6, 0, 0, 8, 3, 0},
         /* 442: request of write_control_parameter_ram_current_ramp */
-        {{0x154u, {0xC1u, 0x24u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 54u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1240000u, 0xF8F8F9FAu}}, 20u, 54, 7, 0, 0, 8, 3, 0},
         /* 443: request of write_control_parameter_ram_current_ramp */
-        {{0x141u, {0xC1u, 0x24u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 54u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1245A5Au, 0x34120000u}}, 1u, 54, 8, 0, 0, 8, 1, 0},
         /* 444: reply of write_control_parameter_ram_current_ramp */
-        {{0x181u, {0xC1u, 0x24u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 55u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1240000u, 0xA08C0000u}}, 1u, 55, 0, 0, 0, 8, 3, 0},
         /* 445: reply of write_control_parameter_ram_current_ramp */
-        {{0x194u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 55u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1240000u, 0x00000080u}}, 20u, 55, 1, 0, 0, 8, 3, 0},
         /* 446: reply of write_control_parameter_ram_current_ramp */
-        {{0x1A0u, {0xC1u, 0x24u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 55u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1240000u, 0xFFFFFF7Fu}}, 32u, 55, 2, 0, 0, 8, 3, 0},
         /* 447: reply of write_control_parameter_ram_current_ramp */
-        {{0x181u, {0xC1u, 0x24u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 55u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1240000u, 0xFFFFFFFFu}}, 1u, 55, 3, 0, 0, 8, 3, 0},
         /* 448: reply of write_control_parameter_ram_current_ramp */
-        {{0x194u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 55u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1240000u}}, 20u, 55, 4, 0, 0, 8, 3, 0},
         /* 449: reply of write_control_parameter_ram_current_ramp */
-        {{0x1A0u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 55u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1240000u, 0x01000000u}}, 32u, 55, 5, 0, 0, 8, 3, 0},
         /* 450: reply of write_control_parameter_ram_current_ramp */
-        {{0x181u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 55u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1240000u, 0x04030201u}}, 1u, 55, 6, 0, 0, 8, 3, 0},
         /* 451: reply of write_control_parameter_ram_current_ramp */
-        {{0x194u, {0xC1u, 0x24u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 55u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1240000u, 0xF8F8F9FAu}}, 20u, 55, 7, 0, 0, 8, 3, 0},
         /* 452: reply of write_control_parameter_ram_current_ramp */
-        {{0x181u, {0xC1u, 0x24u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 55u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC1245A5Au, 0x34120000u}}, 1u, 55, 8, 0, 0, 8, 1, 0},
         /* 453: request of write_control_parameter_ram_speed_ramp */
-        {{0x141u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 56u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1260000u, 0xA08C0000u}}, 1u, 56, 0, 0, 0, 8, 3, 0},
         /* 454: request of write_control_parameter_ram_speed_ramp */
-        {{0x154u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 56u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1260000u, 0x00000080u}}, 20u, 56, 1, 0, 0, 8, 3, 0},
         /* 455: request of write_control_parameter_ram_speed_ramp */
-        {{0x160u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 56u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1260000u, 0xFFFFFF7Fu}}, 32u, 56, 2, 0, 0, 8, 3, 0},
         /* 456: request of write_control_parameter_ram_speed_ramp */
-        {{0x141u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 56u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1260000u, 0xFFFFFFFFu}}, 1u, 56, 3, 0, 0, 8, 3, 0},
         /* 457: request of write_control_parameter_ram_speed_ramp */
-        {{0x154u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 56u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1260000u}}, 20u, 56, 4, 0, 0, 8, 3, 0},
         /* 458: request of write_control_parameter_ram_speed_ramp */
-        {{0x160u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 56u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1260000u, 0x01000000u}}, 32u, 56, 5, 0, 0, 8, 3, 0},
         /* 459: request of write_control_parameter_ram_speed_ramp */
-        {{0x141u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 56u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1260000u, 0x04030201u}}, 1u, 56, 6, 0, 0, 8, 3, 0},
         /* 460: request of write_control_parameter_ram_speed_ramp */
-        {{0x154u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 56u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1260000u, 0xF8F8F9FAu}}, 20u, 56, 7, 0, 0, 8, 3, 0},
         /* 461: request of write_control_parameter_ram_speed_ramp */
-        {{0x141u, {0xC1u, 0x26u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 56u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1265A5Au, 0x34120000u}}, 1u, 56, 8, 0, 0, 8, 1, 0},
         /* 462: reply of write_control_parameter_ram_speed_ramp */
-        {{0x181u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 57u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1260000u, 0xA08C0000u}}, 1u, 57, 0, 0, 0, 8, 3, 0},
         /* 463: reply of write_control_parameter_ram_speed_ramp */
-        {{0x194u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 57u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1260000u, 0x00000080u}}, 20u, 57, 1, 0, 0, 8, 3, 0},
         /* 464: reply of write_control_parameter_ram_speed_ramp */
-        {{0x1A0u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 57u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1260000u, 0xFFFFFF7Fu}}, 32u, 57, 2, 0, 0, 8, 3, 0},
         /* 465: reply of write_control_parameter_ram_speed_ramp */
-        {{0x181u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 57u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1260000u, 0xFFFFFFFFu}}, 1u, 57, 3, 0, 0, 8, 3, 0},
         /* 466: reply of write_control_parameter_ram_speed_ramp */
-        {{0x194u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 57u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1260000u}}, 20u, 57, 4, 0, 0, 8, 3, 0},
         /* 467: reply of write_control_parameter_ram_speed_ramp */
-        {{0x1A0u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 57u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1260000u, 0x01000000u}}, 32u, 57, 5, 0, 0, 8, 3, 0},
         /* 468: reply of write_control_parameter_ram_speed_ramp */
-        {{0x181u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 57u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1260000u, 0x04030201u}}, 1u, 57, 6, 0, 0, 8, 3, 0},
         /* 469: reply of write_control_parameter_ram_speed_ramp */
-        {{0x194u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xF8u, 0xF8u, 0xF9u, 0xFAu}}, 20u, 57u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1260000u, 0xF8F8F9FAu}}, 20u, 57, 7, 0, 0, 8, 3, 0},
         /* 470: reply of write_control_parameter_ram_speed_ramp */
-        {{0x181u, {0xC1u, 0x26u, 0x5Au, 0x5Au, 0x34u, 0x12u, 0x00u, 0x00u}}, 1u, 57u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 471: request of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 58u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 472: request of read_encoder */
-        {{0x160u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 58u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 473: request of read_encoder */
-        {{0x141u, {0x90u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 58u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 474: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0x02u, 0x01u, 0x04u, 0x03u, 0x02u, 0x02u}}, 1u, 59u, 0u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 475: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0xFFu, 0x3Fu, 0x00u, 0x00u, 0x01u, 0x00u}}, 1u, 59u, 1u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 476: reply of read_encoder */
-        {{0x194u, {0x90u, 0x00u, 0xFFu, 0x7Fu, 0x34u, 0x12u, 0x00u, 0x40u}}, 20u, 59u, 2u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 477: reply of read_encoder */
-        {{0x1A0u, {0x90u, 0x00u, 0xFFu, 0xFFu, 0x01u, 0x80u, 0x00u, 0x80u}}, 32u, 59u, 3u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 478: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 59u, 4u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 479: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0xCDu, 0xABu, 0xDEu, 0xBCu, 0x11u, 0x11u}}, 1u, 59u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 480: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0x00u, 0x40u, 0x01u, 0x00u, 0x02u, 0x00u}}, 1u, 59u, 6u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 481: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0x01u, 0x00u, 0x00u, 0x80u, 0x02u, 0x00u}}, 1u, 59u, 7u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 482: reply of read_encoder */
-        {{0x181u, {0x90u, 0xFFu, 0x01u, 0x00u, 0x02u, 0x00u, 0x03u, 0x00u}}, 1u, 59u, 8u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 483: request of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 60u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 484: request of write_position_as_zero_rom */
-        {{0x160u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 60u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC1265A5Au, 0x34120000u}}, 1u, 57, 8, 0, 0, 8, 1, 0},
+        {{0x141u, {0x90000000u}}, 1u, 58, 0, 0, 0, 8, 3, 0}, /* 471: request of read_encoder */
+        {{0x160u, {0x90000000u}}, 32u, 58, 0, 0, 0, 8, 3, 0}, /* 472: request of read_encoder */
+        {{0x141u, {0x90010203u, 0x04050607u}}, 1u, 58, 0, 0, 0, 8, 1, 0}, /* 473: request of read_encoder */
+        {{0x181u, {0x90000201u, 0x04030202u}}, 1u, 59, 0, 0, 17, 8, 3, 0}, /* 474: reply of read_encoder */
+        {{0x181u, {0x9000FF3Fu, 0x00000100u}}, 1u, 59, 1, 0, 17, 8, 3, 0}, /* 475: reply of read_encoder */
+        {{0x194u, {0x9000FF7Fu, 0x34120040u}}, 20u, 59, 2, 0, 18, 8, 3, 0}, /* 476: reply of read_encoder */
+        {{0x1A0u, {0x9000FFFFu, 0x01800080u}}, 32u, 59, 3, 0, 19, 8, 3, 0}, /* 477: reply of read_encoder */
+        {{0x181u, {0x90000000u}}, 1u, 59, 4, 0, 19, 8, 3, 0}, /* 478: reply of read_encoder */
+        {{0x181u, {0x9000CDABu, 0xDEBC1111u}}, 1u, 59, 5, 0, 0, 8, 3, 0}, /* 479: reply of read_encoder */
+        {{0x181u, {0x90000040u, 0x01000200u}}, 1u, 59, 6, 0, 17, 8, 1, 0}, /* 480: reply of read_encoder */
+        {{0x181u, {0x90000100u, 0x00800200u}}, 1u, 59, 7, 0, 18, 8, 1, 0}, /* 481: reply of read_encoder */
+        {{0x181u, {0x90FF0100u, 0x02000300u}}, 1u, 59, 8, 0, 19, 8, 1, 0}, /* 482: reply of read_encoder */
+        {{0x141u, {0x19000000u}}, 1u, 60, 0, 0, 0, 8, 3, 0}, /* 483: request of write_position_as_zero_rom */
+        {{0x160u, {0x19000000u}}, 32u, 60, 0, 0, 0, 8, 3, 0}, /* 484: request of write_position_as_zero_rom */
         /* 485: request of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 60u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x19010203u, 0x04050607u}}, 1u, 60, 0, 0, 0, 8, 1, 0},
         /* 486: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x34u, 0x12u}}, 1u, 61u, 0u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x00003412u}}, 1u, 61, 0, 0, 17, 8, 3, 0},
         /* 487: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x3Fu}}, 1u, 61u, 1u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x0000FF3Fu}}, 1u, 61, 1, 0, 17, 8, 3, 0},
         /* 488: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x7Fu}}, 1u, 61u, 2u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x0000FF7Fu}}, 1u, 61, 2, 0, 18, 8, 3, 0},
         /* 489: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu}}, 1u, 61u, 3u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 490: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 61u, 4u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x0000FFFFu}}, 1u, 61, 3, 0, 19, 8, 3, 0},
+        {{0x181u, {0x19000000u}}, 1u, 61, 4, 0, 19, 8, 3, 0}, /* 490: reply of write_position_as_zero_rom */
         /* 491: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u}}, 1u, 61u, 5u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x00000100u}}, 1u, 61, 5, 0, 19, 8, 3, 0},
         /* 492: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x02u, 0x01u}}, 1u, 61u, 6u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x00000201u}}, 1u, 61, 6, 0, 17, 8, 3, 0},
         /* 493: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x40u, 0x9Cu}}, 1u, 61u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x0000409Cu}}, 1u, 61, 7, 0, 0, 8, 3, 0},
         /* 494: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x40u}}, 1u, 61u, 8u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x19000000u, 0x00000040u}}, 1u, 61, 8, 0, 17, 8, 1, 0},
         /* 495: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 61u, 9u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x19000000u, 0x00000080u}}, 1u, 61, 9, 0, 18, 8, 1, 0},
         /* 496: reply of write_position_as_zero_rom */
-        {{0x1A0u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x56u, 0x34u}}, 32u, 61u, 10u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x19000000u, 0x00005634u}}, 32u, 61, 10, 0, 19, 8, 3, 0},
         /* 497: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x34u, 0x12u}}, 1u, 61u, 0u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 498: request of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 62u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 499: request of read_multi_turn_angle */
-        {{0x160u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 62u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 500: request of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 62u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 501: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xD8u, 0xDCu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 63u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 502: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xA0u, 0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 63u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 503: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 63u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 504: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 63u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 505: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 63u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 506: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 1u, 63u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 507: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 63u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 508: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x07u, 0x06u, 0x05u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 63u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 509: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xF9u, 0xF9u, 0xFAu, 0xFBu, 0xFCu, 0xFDu, 0xFEu}}, 1u, 63u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 510: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x20u}}, 1u, 63u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 511: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x00u, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u, 0x00u}}, 1u, 63u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 512: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 63u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 513: reply of read_multi_turn_angle */
-        {{0x1A0u, {0x92u, 0x15u, 0xCDu, 0x5Bu, 0x07u, 0x00u, 0x00u, 0x00u}}, 32u, 63u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 514: request of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 64u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 515: request of read_single_turn_angle */
-        {{0x160u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 64u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 516: request of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 64u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 517: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x45u, 0x05u, 0x00u}}, 1u, 65u, 0u, 20u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 518: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x46u, 0x05u, 0x00u}}, 1u, 65u, 1u, 20u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 519: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 65u, 2u, 21u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 520: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 65u, 3u, 22u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 521: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 65u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 522: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 65u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 523: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 65u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 524: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 65u, 7u, 21u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 525: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0xBFu, 0x4Bu, 0x03u, 0x00u}}, 1u, 65u, 8u, 22u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 526: reply of read_single_turn_angle */
-        {{0x194u, {0x94u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 20u, 65u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 527: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x01u, 0x02u, 0x03u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 65u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 528: request of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0x28u, 0x23u, 0x00u, 0x00u}}, 1u, 66u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 529: reply of set_angle */
-        {{0x181u, {0x95u, 0x00u, 0x00u, 0x00u, 0x28u, 0x23u, 0x00u, 0x00u}}, 1u, 67u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 530: request of set_angle */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 66u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 531: request of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 66u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 532: request of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 66u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 533: request of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 66u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 534: request of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 66u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 535: request of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0x0Du, 0x0Cu, 0x0Bu, 0x0Au}}, 20u, 66u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 536: request of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 20u, 66u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 537: request of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 20u, 66u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 538: request of set_angle */
-        {{0x154u, {0x95u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 20u, 66u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 539: request of set_angle */
-        {{0x141u, {0x95u, 0x01u, 0x02u, 0x03u, 0x10u, 0x27u, 0x00u, 0x00u}}, 1u, 66u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 540: reply of set_angle */
-        {{0x1A0u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 67u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 541: reply of set_angle */
-        {{0x1A0u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 67u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 542: reply of set_angle */
-        {{0x1A0u, {0x95u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 67u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 543: reply of set_angle */
-        {{0x1A0u, {0x95u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 67u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 544: reply of set_angle */
-        {{0x1A0u, {0x95u, 0x00u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 32u, 67u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 545: reply of set_angle */
-        {{0x1A0u, {0x95u, 0x00u, 0x00u, 0x00u, 0x28u, 0x23u, 0x00u, 0x00u}}, 32u, 67u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 546: request of read_status_1 */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 68u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 547: request of read_status_1 */
-        {{0x160u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 68u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 548: request of read_status_1 */
-        {{0x141u, {0x9Au, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 68u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 549: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x19u, 0x60u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 69u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 550: reply of read_status_1 */
-        {{0x194u, {0x9Au, 0x1Fu, 0x08u, 0x13u, 0x99u, 0x00u, 0x10u, 0x00u}}, 20u, 69u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 551: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x14u, 0x60u, 0x09u, 0x64u, 0x00u, 0x00u, 0x01u}}, 1u, 69u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 552: reply of read_status_1 */
-        {{0x182u, {0x9Au, 0x15u, 0x61u, 0x09u, 0x63u, 0x00u, 0x10u, 0x02u}}, 2u, 69u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 553: reply of read_status_1 */
-        {{0x194u, {0x9Au, 0x16u, 0x62u, 0x09u, 0x62u, 0x00u, 0x00u, 0x04u}}, 20u, 69u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 554: reply of read_status_1 */
-        {{0x1A0u, {0x9Au, 0x17u, 0x63u, 0x09u, 0x61u, 0x00u, 0x10u, 0x08u}}, 32u, 69u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 555: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x18u, 0x64u, 0x09u, 0x60u, 0x00u, 0x00u, 0x10u}}, 1u, 69u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 556: reply of read_status_1 */
-        {{0x182u, {0x9Au, 0x19u, 0x65u, 0x09u, 0x5Fu, 0x00u, 0x10u, 0x20u}}, 2u, 69u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 557: reply of read_status_1 */
-        {{0x194u, {0x9Au, 0x1Au, 0x66u, 0x09u, 0x5Eu, 0x00u, 0x00u, 0x40u}}, 20u, 69u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 558: reply of read_status_1 */
-        {{0x1A0u, {0x9Au, 0x1Bu, 0x67u, 0x09u, 0x5Du, 0x00u, 0x10u, 0x80u}}, 32u, 69u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 559: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x00u, 0xFFu}}, 1u, 69u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 560: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x7Fu, 0x00u, 0x80u, 0xFFu, 0x7Fu, 0x10u, 0xA5u}}, 1u, 69u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 561: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x00u, 0x5Au}}, 1u, 69u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 562: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x10u, 0x09u}}, 1u, 69u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 563: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x01u, 0x01u, 0x00u, 0x01u, 0x00u, 0x00u, 0x06u}}, 1u, 69u, 14u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 564: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x02u, 0x02u, 0x01u, 0x04u, 0x03u, 0x10u, 0x81u}}, 1u, 69u, 15u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 565: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x03u, 0xFCu, 0xFCu, 0xFEu, 0xFEu, 0x00u, 0x18u}}, 1u, 69u, 16u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 566: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0x01u, 0x00u}}, 1u, 69u, 17u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 567: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0x02u, 0x00u}}, 1u, 69u, 18u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 568: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0x0Fu, 0x00u}}, 1u, 69u, 19u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 569: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0x11u, 0x00u}}, 1u, 69u, 20u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 570: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0x12u, 0x00u}}, 1u, 69u, 21u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 571: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0xFFu, 0x00u}}, 1u, 69u, 22u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 572: request of clear_errors */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 70u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 573: request of clear_errors */
-        {{0x160u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 70u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 574: request of clear_errors */
-        {{0x141u, {0x9Bu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 70u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 575: reply of clear_errors */
-        {{0x181u, {0x9Bu, 0x19u, 0x60u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 71u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 576: reply of clear_errors */
-        {{0x1A0u, {0x9Bu, 0xD8u, 0x04u, 0x03u, 0xFAu, 0xFAu, 0x10u, 0x09u}}, 32u, 71u, 23u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 577: reply of clear_errors */
-        {{0x181u, {0x9Bu, 0x00u, 0xFFu, 0xFFu, 0x01u, 0x00u, 0x10u, 0x76u}}, 1u, 71u, 24u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 578: reply of clear_errors */
-        {{0x181u, {0x9Bu, 0x7Fu, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x00u, 0xFFu}}, 1u, 71u, 25u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 579: reply of clear_errors */
-        {{0x181u, {0x9Bu, 0x09u, 0x64u, 0x00u, 0x9Cu, 0xFFu, 0x20u, 0x01u}}, 1u, 71u, 26u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 580: request of read_status_2 */
-        {{0x141u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 72u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 581: request of read_status_2 */
-        {{0x160u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 72u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 582: request of read_status_2 */
-        {{0x141u, {0x9Cu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 72u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 583: reply of read_status_2 */
-        {{0x181u, {0x9Cu, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 73u, 20u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 584: reply of read_status_2 */
-        {{0x182u, {0x9Cu, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 73u, 21u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 585: reply of read_status_2 */
-        {{0x194u, {0x9Cu, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 73u, 22u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 586: reply of read_status_2 */
-        {{0x1A0u, {0x9Cu, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 73u, 23u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 587: reply of read_status_2 */
-        {{0x181u, {0x9Cu, 0xECu, 0x00u, 0xF8u, 0xFFu, 0xFFu, 0x01u, 0x00u}}, 1u, 73u, 26u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 588: reply of read_status_2 */
-        {{0x181u, {0x9Cu, 0xEBu, 0xE8u, 0x03u, 0x02u, 0x00u, 0x03u, 0x00u}}, 1u, 73u, 27u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 589: reply of read_status_2 */
-        {{0x181u, {0x9Cu, 0xEAu, 0x18u, 0xFCu, 0xFEu, 0xFFu, 0x04u, 0x00u}}, 1u, 73u, 28u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 590: reply of read_status_2 */
-        {{0x181u, {0x9Cu, 0xE9u, 0x00u, 0x10u, 0x03u, 0x00u, 0x05u, 0x00u}}, 1u, 73u, 29u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 591: reply of read_status_2 */
-        {{0x181u, {0x9Cu, 0xE8u, 0x00u, 0xF0u, 0x04u, 0x00u, 0x06u, 0x00u}}, 1u, 73u, 30u, 7u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 592: request of read_status_3 */
-        {{0x141u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 74u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 593: request of read_status_3 */
-        {{0x160u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 74u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 594: request of read_status_3 */
-        {{0x141u, {0x9Du, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 74u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 595: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x19u, 0x00u, 0x10u, 0x00u, 0xF0u, 0x00u, 0x00u}}, 1u, 75u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 596: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x01u, 0x00u}}, 1u, 75u, 1u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 597: reply of read_status_3 */
-        {{0x1A0u, {0x9Du, 0x7Fu, 0xFFu, 0xFFu, 0x02u, 0x01u, 0x04u, 0x03u}}, 32u, 75u, 2u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 598: reply of read_status_3 */
-        {{0x194u, {0x9Du, 0x00u, 0x00u, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u}}, 20u, 75u, 3u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 599: reply of read_status_3 */
-        {{0x182u, {0x9Du, 0xFFu, 0x40u, 0x00u, 0xC0u, 0xFFu, 0x02u, 0x00u}}, 2u, 75u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 600: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x19u, 0x00u, 0x10u, 0x00u, 0xF0u, 0x00u, 0x00u}}, 1u, 75u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 601: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x01u, 0x00u}}, 1u, 75u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 602: reply of read_status_3 */
-        {{0x1A0u, {0x9Du, 0x7Fu, 0xFFu, 0xFFu, 0x02u, 0x01u, 0x04u, 0x03u}}, 32u, 75u, 2u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 603: reply of read_status_3 */
-        {{0x194u, {0x9Du, 0x00u, 0x00u, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u}}, 20u, 75u, 3u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 604: reply of read_status_3 */
-        {{0x182u, {0x9Du, 0xFFu, 0x40u, 0x00u, 0xC0u, 0xFFu, 0x02u, 0x00u}}, 2u, 75u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 605: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x19u, 0x00u, 0x10u, 0x00u, 0xF0u, 0x00u, 0x00u}}, 1u, 75u, 0u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 606: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x01u, 0x00u}}, 1u, 75u, 1u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 607: reply of read_status_3 */
-        {{0x1A0u, {0x9Du, 0x7Fu, 0xFFu, 0xFFu, 0x02u, 0x01u, 0x04u, 0x03u}}, 32u, 75u, 2u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 608: reply of read_status_3 */
-        {{0x194u, {0x9Du, 0x00u, 0x00u, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u}}, 20u, 75u, 3u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 609: reply of read_status_3 */
-        {{0x182u, {0x9Du, 0xFFu, 0x40u, 0x00u, 0xC0u, 0xFFu, 0x02u, 0x00u}}, 2u, 75u, 4u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 610: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x1Au, 0x64u, 0x00u, 0x9Bu, 0xFFu, 0x66u, 0x00u}}, 1u, 75u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-    };
-    static const canwright_golden_rejection_t rejections[] CANWRIGHT_FLASH = {
-        /* 611: request: unknown_id */
-        {{0x140u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 612: request: unknown_id */
-        {{0x161u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 613: request: unknown_id */
-        {{0x241u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
+        {{0x181u, {0x19010203u, 0x04053412u}}, 1u, 61, 0, 0, 17, 8, 1, 0},
+        {{0x141u, {0x92000000u}}, 1u, 62, 0, 0, 0, 8, 3, 0}, /* 498: request of read_multi_turn_angle */
+        {{0x160u, {0x92000000u}}, 32u, 62, 0, 0, 0, 8, 3, 0}, /* 499: request of read_multi_turn_angle */
+        {{0x141u, {0x92010203u, 0x04050607u}}, 1u, 62, 0, 0, 0, 8, 1, 0}, /* 500: request of read_multi_turn_angle */
+        {{0x181u, {0x92D8DCFFu, 0xFFFFFFFFu}}, 1u, 63, 0, 0, 0, 8, 3, 0}, /* 501: reply of read_multi_turn_angle */
+        {{0x181u, {0x92A08C00u}}, 1u, 63, 1, 0, 0, 8, 3, 0}, /* 502: reply of read_multi_turn_angle */
+        {{0x181u, {0x92000000u}}, 1u, 63, 2, 0, 0, 8, 3, 0}, /* 503: reply of read_multi_turn_angle */
+        {{0x181u, {0x92010000u}}, 1u, 63, 3, 0, 0, 8, 3, 0}, /* 504: reply of read_multi_turn_angle */
+        {{0x181u, {0x92FFFFFFu, 0xFFFFFFFFu}}, 1u, 63, 4, 0, 0, 8, 3, 0}, /* 505: reply of read_multi_turn_angle */
+        {{0x181u, {0x92FFFFFFu, 0xFFFFFF7Fu}}, 1u, 63, 5, 0, 0, 8, 3, 0}, /* 506: reply of read_multi_turn_angle */
+        {{0x181u, {0x92000000u, 0x00000080u}}, 1u, 63, 6, 0, 0, 8, 3, 0}, /* 507: reply of read_multi_turn_angle */
+        {{0x181u, {0x92070605u, 0x04030201u}}, 1u, 63, 7, 0, 0, 8, 3, 0}, /* 508: reply of read_multi_turn_angle */
+        {{0x181u, {0x92F9F9FAu, 0xFBFCFDFEu}}, 1u, 63, 8, 0, 0, 8, 3, 0}, /* 509: reply of read_multi_turn_angle */
+        {{0x181u, {0x92010000u, 0x00000020u}}, 1u, 63, 9, 0, 0, 8, 3, 0}, /* 510: reply of read_multi_turn_angle */
+        {{0x181u, {0x92000000u, 0x80000000u}}, 1u, 63, 10, 0, 0, 8, 3, 0}, /* 511: reply of read_multi_turn_angle */
+        {{0x181u, {0x92FFFFFFu, 0x7FFFFFFFu}}, 1u, 63, 11, 0, 0, 8, 3, 0}, /* 512: reply of read_multi_turn_angle */
+        {{0x1A0u, {0x9215CD5Bu, 0x07000000u}}, 32u, 63, 12, 0, 0, 8, 3, 0}, /* 513: reply of read_multi_turn_angle */
+        {{0x141u, {0x94000000u}}, 1u, 64, 0, 0, 0, 8, 3, 0}, /* 514: request of read_single_turn_angle */
+        {{0x160u, {0x94000000u}}, 32u, 64, 0, 0, 0, 8, 3, 0}, /* 515: request of read_single_turn_angle */
+        {{0x141u, {0x94010203u, 0x04050607u}}, 1u, 64, 0, 0, 0, 8, 1, 0}, /* 516: request of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0xFF450500u}}, 1u, 65, 0, 0, 20, 8, 3, 0}, /* 517: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0x00460500u}}, 1u, 65, 1, 0, 20, 8, 1, 0}, /* 518: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0x9F8C0000u}}, 1u, 65, 2, 0, 21, 8, 3, 0}, /* 519: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u}}, 1u, 65, 3, 0, 22, 8, 3, 0}, /* 520: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0x01000000u}}, 1u, 65, 4, 0, 0, 8, 3, 0}, /* 521: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0xFFFFFFFFu}}, 1u, 65, 5, 0, 0, 8, 3, 0}, /* 522: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0x04030201u}}, 1u, 65, 6, 0, 0, 8, 3, 0}, /* 523: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0xA08C0000u}}, 1u, 65, 7, 0, 21, 8, 1, 0}, /* 524: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0xBF4B0300u}}, 1u, 65, 8, 0, 22, 8, 3, 0}, /* 525: reply of read_single_turn_angle */
+        {{0x194u, {0x94000000u, 0x50460000u}}, 20u, 65, 9, 0, 0, 8, 3, 0}, /* 526: reply of read_single_turn_angle */
+        {{0x181u, {0x94010203u, 0x50460000u}}, 1u, 65, 9, 0, 0, 8, 1, 0}, /* 527: reply of read_single_turn_angle */
+        {{0x141u, {0x95000000u, 0x28230000u}}, 1u, 66, 0, 0, 0, 8, 3, 0}, /* 528: request of set_angle */
+        {{0x181u, {0x95000000u, 0x28230000u}}, 1u, 67, 0, 0, 0, 8, 3, 0}, /* 529: reply of set_angle */
+        {{0x141u, {0x95000000u}}, 1u, 66, 1, 0, 0, 8, 3, 0}, /* 530: request of set_angle */
+        {{0x154u, {0x95000000u, 0x00000080u}}, 20u, 66, 2, 0, 0, 8, 3, 0}, /* 531: request of set_angle */
+        {{0x154u, {0x95000000u, 0xFFFFFF7Fu}}, 20u, 66, 3, 0, 0, 8, 3, 0}, /* 532: request of set_angle */
+        {{0x154u, {0x95000000u, 0xFFFFFFFFu}}, 20u, 66, 4, 0, 0, 8, 3, 0}, /* 533: request of set_angle */
+        {{0x154u, {0x95000000u, 0x01000000u}}, 20u, 66, 5, 0, 0, 8, 3, 0}, /* 534: request of set_angle */
+        {{0x154u, {0x95000000u, 0x0D0C0B0Au}}, 20u, 66, 6, 0, 0, 8, 3, 0}, /* 535: request of set_angle */
+        {{0x154u, {0x95000000u, 0xB0B9FFFFu}}, 20u, 66, 7, 0, 0, 8, 3, 0}, /* 536: request of set_angle */
+        {{0x154u, {0x95000000u, 0x1D000000u}}, 20u, 66, 8, 0, 0, 8, 3, 0}, /* 537: request of set_angle */
+        {{0x154u, {0x95000000u, 0xA08C0000u}}, 20u, 66, 9, 0, 0, 8, 3, 0}, /* 538: request of set_angle */
+        {{0x141u, {0x95010203u, 0x10270000u}}, 1u, 66, 10, 0, 0, 8, 1, 0}, /* 539: request of set_angle */
+        {{0x1A0u, {0x95000000u}}, 32u, 67, 1, 0, 0, 8, 3, 0}, /* 540: reply of set_angle */
+        {{0x1A0u, {0x95000000u, 0x00000080u}}, 32u, 67, 2, 0, 0, 8, 3, 0}, /* 541: reply of set_angle */
+        {{0x1A0u, {0x95000000u, 0xFFFFFF7Fu}}, 32u, 67, 3, 0, 0, 8, 3, 0}, /* 542: reply of set_angle */
+        {{0x1A0u, {0x95000000u, 0xFFFFFFFFu}}, 32u, 67, 4, 0, 0, 8, 3, 0}, /* 543: reply of set_angle */
+        {{0x1A0u, {0x95000000u, 0x04030201u}}, 32u, 67, 11, 0, 0, 8, 3, 0}, /* 544: reply of set_angle */
+        {{0x1A0u, {0x95000000u, 0x28230000u}}, 32u, 67, 0, 0, 0, 8, 3, 0}, /* 545: reply of set_angle */
+        {{0x141u, {0x9A000000u}}, 1u, 68, 0, 0, 0, 8, 3, 0}, /* 546: request of read_status_1 */
+        {{0x160u, {0x9A000000u}}, 32u, 68, 0, 0, 0, 8, 3, 0}, /* 547: request of read_status_1 */
+        {{0x141u, {0x9A010203u, 0x04050607u}}, 1u, 68, 0, 0, 0, 8, 1, 0}, /* 548: request of read_status_1 */
+        {{0x181u, {0x9A196009u}}, 1u, 69, 0, 0, 0, 8, 3, 0}, /* 549: reply of read_status_1 */
+        {{0x194u, {0x9A1F0813u, 0x99001000u}}, 20u, 69, 1, 0, 0, 8, 3, 0}, /* 550: reply of read_status_1 */
+        {{0x181u, {0x9A146009u, 0x64000001u}}, 1u, 69, 2, 0, 0, 8, 3, 0}, /* 551: reply of read_status_1 */
+        {{0x182u, {0x9A156109u, 0x63001002u}}, 2u, 69, 3, 0, 0, 8, 3, 0}, /* 552: reply of read_status_1 */
+        {{0x194u, {0x9A166209u, 0x62000004u}}, 20u, 69, 4, 0, 0, 8, 3, 0}, /* 553: reply of read_status_1 */
+        {{0x1A0u, {0x9A176309u, 0x61001008u}}, 32u, 69, 5, 0, 0, 8, 3, 0}, /* 554: reply of read_status_1 */
+        {{0x181u, {0x9A186409u, 0x60000010u}}, 1u, 69, 6, 0, 0, 8, 3, 0}, /* 555: reply of read_status_1 */
+        {{0x182u, {0x9A196509u, 0x5F001020u}}, 2u, 69, 7, 0, 0, 8, 3, 0}, /* 556: reply of read_status_1 */
+        {{0x194u, {0x9A1A6609u, 0x5E000040u}}, 20u, 69, 8, 0, 0, 8, 3, 0}, /* 557: reply of read_status_1 */
+        {{0x1A0u, {0x9A1B6709u, 0x5D001080u}}, 32u, 69, 9, 0, 0, 8, 3, 0}, /* 558: reply of read_status_1 */
+        {{0x181u, {0x9A80FF7Fu, 0x008000FFu}}, 1u, 69, 10, 0, 0, 8, 3, 0}, /* 559: reply of read_status_1 */
+        {{0x181u, {0x9A7F0080u, 0xFF7F10A5u}}, 1u, 69, 11, 0, 0, 8, 3, 0}, /* 560: reply of read_status_1 */
+        {{0x181u, {0x9AFFFFFFu, 0xFFFF005Au}}, 1u, 69, 12, 0, 0, 8, 3, 0}, /* 561: reply of read_status_1 */
+        {{0x181u, {0x9A000000u, 0x00001009u}}, 1u, 69, 13, 0, 0, 8, 3, 0}, /* 562: reply of read_status_1 */
+        {{0x181u, {0x9A010100u, 0x01000006u}}, 1u, 69, 14, 0, 0, 8, 3, 0}, /* 563: reply of read_status_1 */
+        {{0x181u, {0x9A020201u, 0x04031081u}}, 1u, 69, 15, 0, 0, 8, 3, 0}, /* 564: reply of read_status_1 */
+        {{0x181u, {0x9A03FCFCu, 0xFEFE0018u}}, 1u, 69, 16, 0, 0, 8, 3, 0}, /* 565: reply of read_status_1 */
+        {{0x181u, {0x9A1E6009u, 0x05000100u}}, 1u, 69, 17, 0, 0, 8, 1, 0}, /* 566: reply of read_status_1 */
+        {{0x181u, {0x9A1E6009u, 0x05000200u}}, 1u, 69, 18, 0, 0, 8, 1, 0}, /* 567: reply of read_status_1 */
+        {{0x181u, {0x9A1E6009u, 0x05000F00u}}, 1u, 69, 19, 0, 0, 8, 1, 0}, /* 568: reply of read_status_1 */
+        {{0x181u, {0x9A1E6009u, 0x05001100u}}, 1u, 69, 20, 0, 0, 8, 1, 0}, /* 569: reply of read_status_1 */
+        {{0x181u, {0x9A1E6009u, 0x05001200u}}, 1u, 69, 21, 0, 0, 8, 1, 0}, /* 570: reply of read_status_1 */
+        {{0x181u, {0x9A1E6009u, 0x0500FF00u}}, 1u, 69, 22, 0, 0, 8, 1, 0}, /* 571: reply of read_status_1 */
+        {{0x141u, {0x9B000000u}}, 1u, 70, 0, 0, 0, 8, 3, 0}, /* 572: request of clear_errors */
+        {{0x160u, {0x9B000000u}}, 32u, 70, 0, 0, 0, 8, 3, 0}, /* 573: request of clear_errors */
+        {{0x141u, {0x9B010203u, 0x04050607u}}, 1u, 70, 0, 0, 0, 8, 1, 0}, /* 574: request of clear_errors */
+        {{0x181u, {0x9B196009u}}, 1u, 71, 0, 0, 0, 8, 3, 0}, /* 575: reply of clear_errors */
+        {{0x1A0u, {0x9BD80403u, 0xFAFA1009u}}, 32u, 71, 23, 0, 0, 8, 3, 0}, /* 576: reply of clear_errors */
+        {{0x181u, {0x9B00FFFFu, 0x01001076u}}, 1u, 71, 24, 0, 0, 8, 3, 0}, /* 577: reply of clear_errors */
+        {{0x181u, {0x9B7FFF7Fu, 0x008000FFu}}, 1u, 71, 25, 0, 0, 8, 3, 0}, /* 578: reply of clear_errors */
+        {{0x181u, {0x9B096400u, 0x9CFF2001u}}, 1u, 71, 26, 0, 0, 8, 1, 0}, /* 579: reply of clear_errors */
+        {{0x141u, {0x9C000000u}}, 1u, 72, 0, 0, 0, 8, 3, 0}, /* 580: request of read_status_2 */
+        {{0x160u, {0x9C000000u}}, 32u, 72, 0, 0, 0, 8, 3, 0}, /* 581: request of read_status_2 */
+        {{0x141u, {0x9C010203u, 0x04050607u}}, 1u, 72, 0, 0, 0, 8, 1, 0}, /* 582: request of read_status_2 */
+        {{0x181u, {0x9C280903u, 0x18FC401Fu}}, 1u, 73, 20, 0, 1, 8, 3, 0}, /* 583: reply of read_status_2 */
+        {{0x182u, {0x9C29F006u, 0x17FC411Fu}}, 2u, 73, 21, 0, 8, 8, 3, 0}, /* 584: reply of read_status_2 */
+        {{0x194u, {0x9C2AEF06u, 0x16FC421Fu}}, 20u, 73, 22, 0, 10, 8, 3, 0}, /* 585: reply of read_status_2 */
+        {{0x1A0u, {0x9C2BEE06u, 0x15FC431Fu}}, 32u, 73, 23, 0, 13, 8, 3, 0}, /* 586: reply of read_status_2 */
+        {{0x181u, {0x9CEC00F8u, 0xFFFF0100u}}, 1u, 73, 26, 0, 14, 8, 3, 0}, /* 587: reply of read_status_2 */
+        {{0x181u, {0x9CEBE803u, 0x02000300u}}, 1u, 73, 27, 0, 2, 8, 3, 0}, /* 588: reply of read_status_2 */
+        {{0x181u, {0x9CEA18FCu, 0xFEFF0400u}}, 1u, 73, 28, 0, 1, 8, 3, 0}, /* 589: reply of read_status_2 */
+        {{0x181u, {0x9CE90010u, 0x03000500u}}, 1u, 73, 29, 0, 13, 8, 3, 0}, /* 590: reply of read_status_2 */
+        {{0x181u, {0x9CE800F0u, 0x04000600u}}, 1u, 73, 30, 0, 7, 8, 3, 0}, /* 591: reply of read_status_2 */
+        {{0x141u, {0x9D000000u}}, 1u, 74, 0, 0, 0, 8, 3, 0}, /* 592: request of read_status_3 */
+        {{0x160u, {0x9D000000u}}, 32u, 74, 0, 0, 0, 8, 3, 0}, /* 593: request of read_status_3 */
+        {{0x141u, {0x9D010203u, 0x04050607u}}, 1u, 74, 0, 0, 0, 8, 1, 0}, /* 594: request of read_status_3 */
+        {{0x181u, {0x9D190010u, 0x00F00000u}}, 1u, 75, 0, 0, 5, 8, 3, 0}, /* 595: reply of read_status_3 */
+        {{0x181u, {0x9D80FF7Fu, 0x00800100u}}, 1u, 75, 1, 0, 5, 8, 3, 0}, /* 596: reply of read_status_3 */
+        {{0x1A0u, {0x9D7FFFFFu, 0x02010403u}}, 32u, 75, 2, 0, 5, 8, 3, 0}, /* 597: reply of read_status_3 */
+        {{0x194u, {0x9D000080u, 0xFF7F0080u}}, 20u, 75, 3, 0, 5, 8, 3, 0}, /* 598: reply of read_status_3 */
+        {{0x182u, {0x9DFF4000u, 0xC0FF0200u}}, 2u, 75, 4, 0, 5, 8, 3, 0}, /* 599: reply of read_status_3 */
+        {{0x181u, {0x9D190010u, 0x00F00000u}}, 1u, 75, 0, 0, 4, 8, 3, 0}, /* 600: reply of read_status_3 */
+        {{0x181u, {0x9D80FF7Fu, 0x00800100u}}, 1u, 75, 1, 0, 4, 8, 3, 0}, /* 601: reply of read_status_3 */
+        {{0x1A0u, {0x9D7FFFFFu, 0x02010403u}}, 32u, 75, 2, 0, 4, 8, 3, 0}, /* 602: reply of read_status_3 */
+        {{0x194u, {0x9D000080u, 0xFF7F0080u}}, 20u, 75, 3, 0, 4, 8, 3, 0}, /* 603: reply of read_status_3 */
+        {{0x182u, {0x9DFF4000u, 0xC0FF0200u}}, 2u, 75, 4, 0, 4, 8, 3, 0}, /* 604: reply of read_status_3 */
+        {{0x181u, {0x9D190010u, 0x00F00000u}}, 1u, 75, 0, 0, 6, 8, 3, 0}, /* 605: reply of read_status_3 */
+        {{0x181u, {0x9D80FF7Fu, 0x00800100u}}, 1u, 75, 1, 0, 6, 8, 3, 0}, /* 606: reply of read_status_3 */
+        {{0x1A0u, {0x9D7FFFFFu, 0x02010403u}}, 32u, 75, 2, 0, 6, 8, 3, 0}, /* 607: reply of read_status_3 */
+        {{0x194u, {0x9D000080u, 0xFF7F0080u}}, 20u, 75, 3, 0, 6, 8, 3, 0}, /* 608: reply of read_status_3 */
+        {{0x182u, {0x9DFF4000u, 0xC0FF0200u}}, 2u, 75, 4, 0, 6, 8, 3, 0}, /* 609: reply of read_status_3 */
+        {{0x181u, {0x9D1A6400u, 0x9BFF6600u}}, 1u, 75, 5, 0, 0, 8, 3, 0}, /* 610: reply of read_status_3 */
+        {{0x140u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 611: request: unknown_id */
+        {{0x161u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 612: request: unknown_id */
+        {{0x241u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 613: request: unknown_id */
         /* 614: request: unknown_id */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 615: request: unknown_id */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 616: request: unknown_id */
-        {{0x1A0u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 617: request: unknown_id */
-        {{0x181u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 618: request: unknown_id */
-        {{0x80000141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 619: request: unknown_id */
-        {{0x40000141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 620: request: wrong_length */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 621: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 622: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 623: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 9u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 624: request: wrong_length */
-        {{0x141u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID},
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 615: request: unknown_id */
+        {{0x1A0u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 616: request: unknown_id */
+        {{0x181u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 617: request: unknown_id */
+        {{0x80000141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 618: request: unknown_id */
+        {{0x40000141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 4, CANWRIGHT_UNKNOWN_ID}, /* 619: request: unknown_id */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 4, CANWRIGHT_WRONG_LENGTH}, /* 620: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 1, 4, CANWRIGHT_WRONG_LENGTH}, /* 621: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 7, 4, CANWRIGHT_WRONG_LENGTH}, /* 622: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 9, 4, CANWRIGHT_WRONG_LENGTH}, /* 623: request: wrong_length */
+        {{0x141u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 2, 4, CANWRIGHT_WRONG_LENGTH}, /* 624: request: wrong_length */
         /* 625: request: wrong_length */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 6u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 626: request: wrong_length */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 627: request: unknown_code */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 628: request: unknown_code */
-        {{0x141u, {0x79u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 629: request: unknown_code */
-        {{0x141u, {0x82u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 630: request: unknown_code */
-        {{0x141u, {0x87u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 631: request: unknown_code */
-        {{0x141u, {0x8Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 632: request: unknown_code */
-        {{0x141u, {0xA9u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 633: request: unknown_code */
-        {{0x141u, {0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 634: request: unknown_code */
-        {{0x141u, {0x30u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 635: request: unknown_code */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 636: request: unknown_code */
-        {{0x141u, {0x34u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 637: request: unknown_code */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 638: request: unknown_code */
-        {{0x141u, {0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 639: request: unknown_code */
-        {{0x141u, {0xB1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 640: request: unknown_code */
-        {{0x141u, {0xADu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 641: request: unknown_code */
-        {{0x141u, {0xC0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 642: request: unknown_code */
-        {{0x141u, {0xC0u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 643: request: unknown_code */
-        {{0x141u, {0xC0u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 644: request: unknown_code */
-        {{0x141u, {0xC0u, 0x1Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 645: request: unknown_code */
-        {{0x141u, {0xC0u, 0x1Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 646: request: unknown_code */
-        {{0x141u, {0xC0u, 0x21u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 647: request: unknown_code */
-        {{0x141u, {0xC0u, 0x25u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 648: request: unknown_code */
-        {{0x141u, {0xC0u, 0x27u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 649: request: unknown_code */
-        {{0x141u, {0xC0u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 650: request: unknown_code */
-        {{0x141u, {0xC0u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 651: request: unknown_code */
-        {{0x141u, {0xC1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 652: request: unknown_code */
-        {{0x141u, {0xC1u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 653: request: unknown_code */
-        {{0x141u, {0xC1u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 654: request: unknown_code */
-        {{0x141u, {0xC1u, 0x1Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 655: request: unknown_code */
-        {{0x141u, {0xC1u, 0x1Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 656: request: unknown_code */
-        {{0x141u, {0xC1u, 0x21u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 657: request: unknown_code */
-        {{0x141u, {0xC1u, 0x25u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 658: request: unknown_code */
-        {{0x141u, {0xC1u, 0x27u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 659: request: unknown_code */
-        {{0x141u, {0xC1u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 660: request: unknown_code */
-        {{0x141u, {0xC1u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 661: reply: unknown_id */
-        {{0x180u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 662: reply: unknown_id */
-        {{0x1A1u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 663: reply: unknown_id */
-        {{0x241u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
+        {{0x141u, {0xC11E0000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 6, 4, CANWRIGHT_WRONG_LENGTH},
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 1, 4, CANWRIGHT_WRONG_LENGTH}, /* 626: request: wrong_length */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 627: request: unknown_code */
+        {{0x141u, {0x79000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 628: request: unknown_code */
+        {{0x141u, {0x82000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 629: request: unknown_code */
+        {{0x141u, {0x87000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 630: request: unknown_code */
+        {{0x141u, {0x8B000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 631: request: unknown_code */
+        {{0x141u, {0xA9000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 632: request: unknown_code */
+        {{0x141u, {0xFF000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 633: request: unknown_code */
+        {{0x141u, {0x30000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 634: request: unknown_code */
+        {{0x141u, {0x33000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 635: request: unknown_code */
+        {{0x141u, {0x34000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 636: request: unknown_code */
+        {{0x141u, {0x91000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 637: request: unknown_code */
+        {{0x141u, {0xB0000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 638: request: unknown_code */
+        {{0x141u, {0xB1000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 639: request: unknown_code */
+        {{0x141u, {0xAD000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 640: request: unknown_code */
+        {{0x141u, {0xC0000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 641: request: unknown_code */
+        {{0x141u, {0xC0090000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 642: request: unknown_code */
+        {{0x141u, {0xC00D0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 643: request: unknown_code */
+        {{0x141u, {0xC01D0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 644: request: unknown_code */
+        {{0x141u, {0xC01F0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 645: request: unknown_code */
+        {{0x141u, {0xC0210000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 646: request: unknown_code */
+        {{0x141u, {0xC0250000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 647: request: unknown_code */
+        {{0x141u, {0xC0270000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 648: request: unknown_code */
+        {{0x141u, {0xC0FF0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 649: request: unknown_code */
+        {{0x141u, {0xC0230000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 650: request: unknown_code */
+        {{0x141u, {0xC1000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 651: request: unknown_code */
+        {{0x141u, {0xC1090000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 652: request: unknown_code */
+        {{0x141u, {0xC10D0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 653: request: unknown_code */
+        {{0x141u, {0xC11D0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 654: request: unknown_code */
+        {{0x141u, {0xC11F0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 655: request: unknown_code */
+        {{0x141u, {0xC1210000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 656: request: unknown_code */
+        {{0x141u, {0xC1250000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 657: request: unknown_code */
+        {{0x141u, {0xC1270000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 658: request: unknown_code */
+        {{0x141u, {0xC1FF0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 659: request: unknown_code */
+        {{0x141u, {0xC1230000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 660: request: unknown_code */
+        {{0x180u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 661: reply: unknown_id */
+        {{0x1A1u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 662: reply: unknown_id */
+        {{0x241u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 663: reply: unknown_id */
         /* 664: reply: unknown_id */
-        {{0x280u, {0xE8u, 0x03u, 0x18u, 0xFCu, 0x00u, 0x00u, 0xD0u, 0x07u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 665: reply: unknown_id */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 666: reply: unknown_id */
-        {{0x160u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 667: reply: unknown_id */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 668: reply: unknown_id */
-        {{0x80000181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 669: reply: unknown_id */
-        {{0x40000181u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 670: reply: wrong_length */
-        {{0x181u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 671: reply: wrong_length */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 672: reply: wrong_length */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 673: reply: wrong_length */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 9u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 674: reply: wrong_length */
-        {{0x181u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
+        {{0x280u, {0xE80318FCu, 0x0000D007u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID},
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 665: reply: unknown_id */
+        {{0x160u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 666: reply: unknown_id */
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 667: reply: unknown_id */
+        {{0x80000181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 668: reply: unknown_id */
+        {{0x40000181u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 5, CANWRIGHT_UNKNOWN_ID}, /* 669: reply: unknown_id */
+        {{0x181u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 5, CANWRIGHT_WRONG_LENGTH}, /* 670: reply: wrong_length */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 1, 5, CANWRIGHT_WRONG_LENGTH}, /* 671: reply: wrong_length */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 7, 5, CANWRIGHT_WRONG_LENGTH}, /* 672: reply: wrong_length */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 9, 5, CANWRIGHT_WRONG_LENGTH}, /* 673: reply: wrong_length */
+        {{0x181u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 2, 5, CANWRIGHT_WRONG_LENGTH}, /* 674: reply: wrong_length */
         /* 675: reply: wrong_length */
-        {{0x181u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 6u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 676: reply: wrong_length */
-        {{0x181u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 677: reply: unknown_code */
-        {{0x181u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 678: reply: unknown_code */
-        {{0x181u, {0x79u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 679: reply: unknown_code */
-        {{0x181u, {0x82u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 680: reply: unknown_code */
-        {{0x181u, {0x87u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 681: reply: unknown_code */
-        {{0x181u, {0x8Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 682: reply: unknown_code */
-        {{0x181u, {0xA9u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 683: reply: unknown_code */
-        {{0x181u, {0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 684: reply: unknown_code */
-        {{0x181u, {0x30u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 685: reply: unknown_code */
-        {{0x181u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 686: reply: unknown_code */
-        {{0x181u, {0x34u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 687: reply: unknown_code */
-        {{0x181u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 688: reply: unknown_code */
-        {{0x181u, {0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 689: reply: unknown_code */
-        {{0x181u, {0xB1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 690: reply: unknown_code */
-        {{0x181u, {0xADu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 691: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 692: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 693: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 694: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x1Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 695: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x1Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 696: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x21u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 697: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x25u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 698: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x27u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 699: reply: unknown_code */
-        {{0x181u, {0xC0u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 700: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 701: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 702: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 703: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 704: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x1Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 705: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x1Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 706: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x21u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 707: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x25u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 708: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x27u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 709: reply: unknown_code */
-        {{0x181u, {0xC1u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 710: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 711: request: unknown_code */
-        {{0x141u, {0x37u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x181u, {0xC11E0000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 6, 5, CANWRIGHT_WRONG_LENGTH},
+        {{0x181u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 1, 5, CANWRIGHT_WRONG_LENGTH}, /* 676: reply: wrong_length */
+        {{0x181u, {0x00000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 677: reply: unknown_code */
+        {{0x181u, {0x79000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 678: reply: unknown_code */
+        {{0x181u, {0x82000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 679: reply: unknown_code */
+        {{0x181u, {0x87000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 680: reply: unknown_code */
+        {{0x181u, {0x8B000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 681: reply: unknown_code */
+        {{0x181u, {0xA9000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 682: reply: unknown_code */
+        {{0x181u, {0xFF000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 683: reply: unknown_code */
+        {{0x181u, {0x30000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 684: reply: unknown_code */
+        {{0x181u, {0x33000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 685: reply: unknown_code */
+        {{0x181u, {0x34000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 686: reply: unknown_code */
+        {{0x181u, {0x91000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 687: reply: unknown_code */
+        {{0x181u, {0xB0000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 688: reply: unknown_code */
+        {{0x181u, {0xB1000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 689: reply: unknown_code */
+        {{0x181u, {0xAD000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 690: reply: unknown_code */
+        {{0x181u, {0xC0000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 691: reply: unknown_code */
+        {{0x181u, {0xC0090000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 692: reply: unknown_code */
+        {{0x181u, {0xC00D0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 693: reply: unknown_code */
+        {{0x181u, {0xC01D0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 694: reply: unknown_code */
+        {{0x181u, {0xC01F0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 695: reply: unknown_code */
+        {{0x181u, {0xC0210000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 696: reply: unknown_code */
+        {{0x181u, {0xC0250000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 697: reply: unknown_code */
+        {{0x181u, {0xC0270000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 698: reply: unknown_code */
+        {{0x181u, {0xC0FF0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 699: reply: unknown_code */
+        {{0x181u, {0xC0230000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 700: reply: unknown_code */
+        {{0x181u, {0xC1000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 701: reply: unknown_code */
+        {{0x181u, {0xC1090000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 702: reply: unknown_code */
+        {{0x181u, {0xC10D0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 703: reply: unknown_code */
+        {{0x181u, {0xC11D0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 704: reply: unknown_code */
+        {{0x181u, {0xC11F0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 705: reply: unknown_code */
+        {{0x181u, {0xC1210000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 706: reply: unknown_code */
+        {{0x181u, {0xC1250000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 707: reply: unknown_code */
+        {{0x181u, {0xC1270000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 708: reply: unknown_code */
+        {{0x181u, {0xC1FF0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 709: reply: unknown_code */
+        {{0x181u, {0xC1230000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 710: reply: unknown_code */
+        {{0x141u, {0x37000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 711: request: unknown_code */
         /* 712: request: unknown_code */
-        {{0x141u, {0x38u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 713: request: unknown_code */
-        {{0x141u, {0x30u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x38000000u, 0x64000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x30000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 713: request: unknown_code */
         /* 714: request: unknown_code */
-        {{0x141u, {0x31u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x31006464u, 0x32283232u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE},
         /* 715: request: unknown_code */
-        {{0x141u, {0x32u, 0x00u, 0x64u, 0x64u, 0x32u, 0x28u, 0x32u, 0x32u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 716: request: unknown_code */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x32006464u, 0x32283232u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x33000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 716: request: unknown_code */
         /* 717: request: unknown_code */
-        {{0x141u, {0x34u, 0x00u, 0x00u, 0x00u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 718: request: unknown_code */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 719: request: unknown_code */
-        {{0x141u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 720: request: unknown_code */
-        {{0x141u, {0x18u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 721: request: unknown_code */
-        {{0x141u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 722: reply: unknown_code */
-        {{0x181u, {0x44u, 0x05u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x34000000u, 0xB80B0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE},
+        {{0x141u, {0x91000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 718: request: unknown_code */
+        {{0x141u, {0x4405FA00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 719: request: unknown_code */
+        {{0x141u, {0x18000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 720: request: unknown_code */
+        {{0x141u, {0x40050A00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 721: request: unknown_code */
+        {{0x181u, {0x44050100u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 722: reply: unknown_code */
         /* 723: reply: missing_parameter */
-        {{0x181u, {0xA2u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 724: reply: missing_parameter */
-        {{0x181u, {0xA3u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA3326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 725: reply: missing_parameter */
-        {{0x181u, {0xA4u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA4326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 726: reply: missing_parameter */
-        {{0x181u, {0xA5u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA5326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 727: reply: missing_parameter */
-        {{0x181u, {0xA6u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA6326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 728: reply: missing_parameter */
-        {{0x181u, {0xA7u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA7326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 729: reply: missing_parameter */
-        {{0x181u, {0xA8u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA8326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 730: reply: missing_parameter */
-        {{0x181u, {0x9Cu, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
-    };
-    static const canwright_golden_refusal_t refusals[] CANWRIGHT_FLASH = {
+        {{0x181u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 731: request of motor_off: unknown_node */
-        {0u, 0u, 0u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 732: request of motor_off: unknown_node */
-        {33u, 0u, 0u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 733: request of motor_off: unknown_node */
-        {-1u, 0u, 0u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 734: reply of motor_off: unknown_node */
-        {0u, 1u, 0u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 735: reply of motor_off: unknown_node */
-        {33u, 1u, 0u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 736: reply of motor_off: unknown_node */
-        {-1u, 1u, 0u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 737: request of set_speed: unknown_node */
-        {0u, 12u, 6u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 12, 6, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 738: request of set_speed: unknown_node */
-        {33u, 12u, 6u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 12, 6, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 739: request of set_speed: unknown_node */
-        {-1u, 12u, 6u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 12, 6, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 740: reply of read_multi_turn_angle: unknown_node */
-        {0u, 63u, 2u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 63, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 741: reply of read_multi_turn_angle: unknown_node */
-        {33u, 63u, 2u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 63, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 742: reply of read_multi_turn_angle: unknown_node */
-        {-1u, 63u, 2u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 63, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 743: request of read_control_parameter_max_speed: unknown_node */
-        {0u, 34u, 0u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 34, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 744: request of read_control_parameter_max_speed: unknown_node */
-        {33u, 34u, 0u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 34, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 745: request of read_control_parameter_max_speed: unknown_node */
-        {-1u, 34u, 0u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 34, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 746: reply of write_control_parameter_ram_max_speed: unknown_node */
-        {0u, 51u, 4u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 51, 4, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 747: reply of write_control_parameter_ram_max_speed: unknown_node */
-        {33u, 51u, 4u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 51, 4, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 748: reply of write_control_parameter_ram_max_speed: unknown_node */
-        {-1u, 51u, 4u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 51, 4, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 749: request of brake: out_of_range */
-        {1u, 6u, 3u, MWD_MOTOR_V2_36_2024_11_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 3, MWD_MOTOR_V2_36_2024_11_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 750: request of brake: out_of_range */
-        {1u, 6u, 8u, MWD_MOTOR_V2_36_2024_11_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 8, MWD_MOTOR_V2_36_2024_11_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 751: request of brake: out_of_range */
-        {1u, 6u, 5u, MWD_MOTOR_V2_36_2024_11_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 5, MWD_MOTOR_V2_36_2024_11_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 752: request of brake: out_of_range */
-        {1u, 6u, 6u, MWD_MOTOR_V2_36_2024_11_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 6, MWD_MOTOR_V2_36_2024_11_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 753: reply of brake: out_of_range */
-        {1u, 7u, 2u, MWD_MOTOR_V2_36_2024_11_FIELD_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 7, 2, MWD_MOTOR_V2_36_2024_11_FIELD_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 754: reply of brake: out_of_range */
-        {1u, 7u, 3u, MWD_MOTOR_V2_36_2024_11_FIELD_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 7, 3, MWD_MOTOR_V2_36_2024_11_FIELD_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 755: reply of brake: out_of_range */
-        {1u, 7u, 4u, MWD_MOTOR_V2_36_2024_11_FIELD_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 7, 4, MWD_MOTOR_V2_36_2024_11_FIELD_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 756: request of set_power: out_of_range */
-        {1u, 8u, 9u, MWD_MOTOR_V2_36_2024_11_FIELD_POWER, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 9, MWD_MOTOR_V2_36_2024_11_FIELD_POWER, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 757: request of set_power: out_of_range */
-        {1u, 8u, 8u, MWD_MOTOR_V2_36_2024_11_FIELD_POWER, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 8, MWD_MOTOR_V2_36_2024_11_FIELD_POWER, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 758: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 759: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 760: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 761: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 762: request of set_torque: out_of_range */
-        {1u, 10u, 3u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 3, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 763: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 764: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 765: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 766: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_36_2024_11_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 767: request of set_speed: out_of_range */
-        {1u, 12u, 19u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 19, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 768: request of set_speed: out_of_range */
-        {1u, 12u, 18u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 18, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 769: request of set_speed: out_of_range */
-        {1u, 12u, 19u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 19, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 770: request of set_speed: out_of_range */
-        {1u, 12u, 18u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 18, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 771: request of set_speed: out_of_range */
-        {1u, 12u, 19u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 19, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 772: request of set_speed: out_of_range */
-        {1u, 12u, 18u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 18, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 773: request of set_speed: out_of_range */
-        {1u, 12u, 19u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 19, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 16, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 774: request of set_speed: out_of_range */
-        {1u, 12u, 18u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 18, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 16, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 775: request of set_speed: out_of_range */
-        {1u, 12u, 19u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 19, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 776: request of set_speed: out_of_range */
-        {1u, 12u, 18u, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 18, MWD_MOTOR_V2_36_2024_11_FIELD_IQ_LIMIT, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 777: request of turn_to_angle: out_of_range */
-        {1u, 18u, 15u, MWD_MOTOR_V2_36_2024_11_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 18, 15, MWD_MOTOR_V2_36_2024_11_FIELD_SPIN_DIRECTION, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 778: request of turn_to_angle: out_of_range */
-        {1u, 18u, 16u, MWD_MOTOR_V2_36_2024_11_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 18, 16, MWD_MOTOR_V2_36_2024_11_FIELD_SPIN_DIRECTION, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 779: request of turn_to_angle_at_speed: out_of_range */
-        {1u, 20u, 7u, MWD_MOTOR_V2_36_2024_11_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 20, 7, MWD_MOTOR_V2_36_2024_11_FIELD_SPIN_DIRECTION, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 780: reply of set_speed: out_of_range */
-        {1u, 13u, 6u, MWD_MOTOR_V2_36_2024_11_FIELD_POWER, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 13, 6, MWD_MOTOR_V2_36_2024_11_FIELD_POWER, 16, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 781: reply of set_speed: out_of_range */
-        {1u, 13u, 5u, MWD_MOTOR_V2_36_2024_11_FIELD_POWER, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 13, 5, MWD_MOTOR_V2_36_2024_11_FIELD_POWER, 16, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 782: reply of set_torque: out_of_range */
-        {1u, 11u, 31u, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER, 14u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 31, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER, 14, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 783: reply of set_torque: out_of_range */
-        {1u, 11u, 32u, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER, 15u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 32, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER, 15, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 784: reply of set_speed: missing_parameter */
-        {1u, 13u, 33u, MWD_MOTOR_V2_36_2024_11_FIELD_NONE, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0u, {0x00000000u}}, 1u, 13, 33, 0, 0, 0, 6, CANWRIGHT_MISSING_PARAMETER},
         /* 785: reply of read_status_1: out_of_range */
-        {1u, 69u, 27u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 69, 27, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 786: reply of read_status_1: out_of_range */
-        {1u, 69u, 28u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 69, 28, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 787: reply of read_status_1: out_of_range */
-        {1u, 69u, 29u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 69, 29, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 788: reply of read_status_1: out_of_range */
-        {1u, 69u, 30u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 69, 30, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 789: reply of read_status_1: out_of_range */
-        {1u, 69u, 31u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 69, 31, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 790: reply of read_status_1: out_of_range */
-        {1u, 69u, 32u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 69, 32, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 791: reply of clear_errors: out_of_range */
-        {1u, 71u, 27u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 71, 27, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 792: reply of clear_errors: out_of_range */
-        {1u, 71u, 28u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 71, 28, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 793: reply of clear_errors: out_of_range */
-        {1u, 71u, 29u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 71, 29, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 794: reply of clear_errors: out_of_range */
-        {1u, 71u, 30u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 71, 30, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 795: reply of clear_errors: out_of_range */
-        {1u, 71u, 31u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 71, 31, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 796: reply of clear_errors: out_of_range */
-        {1u, 71u, 32u, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 71, 32, MWD_MOTOR_V2_36_2024_11_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 797: reply of read_multi_turn_angle: out_of_range */
-        {1u, 63u, 13u, MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 63, 13, MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 798: reply of read_multi_turn_angle: out_of_range */
-        {1u, 63u, 14u, MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 63, 14, MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 799: reply of read_single_turn_angle: out_of_range */
-        {1u, 65u, 1u, MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE, 20u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 65, 1, MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE, 20, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 800: reply of read_single_turn_angle: out_of_range */
-        {1u, 65u, 7u, MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE, 21u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 65, 7, MWD_MOTOR_V2_36_2024_11_FIELD_ANGLE, 21, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 801: reply of write_position_as_zero_rom: out_of_range */
-        {1u, 61u, 8u, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET, 17u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 61, 8, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET, 17, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 802: reply of write_position_as_zero_rom: out_of_range */
-        {1u, 61u, 9u, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET, 18u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 61, 9, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET, 18, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 803: reply of read_encoder: out_of_range */
-        {1u, 59u, 9u, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER, 17u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 59, 9, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER, 17, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 804: reply of read_encoder: out_of_range */
-        {1u, 59u, 10u, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED, 17u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 59, 10, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_MEASURED, 17, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 805: reply of read_encoder: out_of_range */
-        {1u, 59u, 11u, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET, 17u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 59, 11, MWD_MOTOR_V2_36_2024_11_FIELD_ENCODER_OFFSET, 17, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 806: a request */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 806: and a reply: ok */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 807: a request */
+        /* 807: and a reply: not_answer */
+        {{0x181u, {0x80000000u, 0x00000001u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 808: a request */
+        {{0x182u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 808: and a reply: not_answer */
+        {{0x141u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 809: a request */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 809: and a reply: not_answer */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 810: a request */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 810: and a reply: not_answer */
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 811: a request */
+        /* 811: and a reply: not_answer */
+        {{0x141u, {0x9A196009u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x160u, {0x92000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 812: a request */
+        {{0x1A0u, {0x92A08C00u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 812: and a reply: ok */
+        {{0x141u, {0x92000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 813: a request */
+        {{0x1A1u, {0x92000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 813: and a reply: not_answer */
+        {{0x141u, {0x92000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 814: a request */
+        {{0x180u, {0x92000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 814: and a reply: not_answer */
+        {{0x141u, {0xA0000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 815: a request */
+        {{0x181u, {0xA0326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 815: and a reply: ok */
+        {{0x141u, {0xA1000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 816: a request */
+        {{0x181u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 816: and a reply: ok */
+        {{0x141u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 817: a request */
+        {{0x181u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 817: and a reply: ok */
+        {{0x141u, {0xA3000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 818: a request */
+        {{0x181u, {0xA3326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 818: and a reply: ok */
+        {{0x141u, {0xA4000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 819: a request */
+        {{0x181u, {0xA4326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 819: and a reply: ok */
+        {{0x141u, {0xA5000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 820: a request */
+        {{0x181u, {0xA5326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 820: and a reply: ok */
+        {{0x141u, {0xA6000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 821: a request */
+        {{0x181u, {0xA6326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 821: and a reply: ok */
+        {{0x141u, {0xA7000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 822: a request */
+        {{0x181u, {0xA7326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 822: and a reply: ok */
+        {{0x141u, {0xA8000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 823: a request */
+        {{0x181u, {0xA8326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 823: and a reply: ok */
+        {{0x141u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 824: a request */
+        /* 824: and a reply: not_answer */
+        {{0x181u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x160u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 825: a request */
+        {{0x1A0u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 825: and a reply: ok */
+        {{0x160u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 826: a request */
+        /* 826: and a reply: not_answer */
+        {{0x19Fu, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 827: a request */
+        {{0x181u, {0x9B196009u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 827: and a reply: ok */
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 828: a request */
+        /* 828: and a reply: not_answer */
+        {{0x181u, {0x9A196009u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 829: a request */
+        {{0x181u, {0x9A196009u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 829: and a reply: ok */
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 830: a request */
+        /* 830: and a reply: not_answer */
+        {{0x181u, {0x9B196009u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 831: a request */
+        /* 831: and a reply: not_answer */
+        {{0x181u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x142u, {0x90000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 832: a request */
+        {{0x182u, {0x90000102u, 0x03040506u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 832: and a reply: ok */
+        {{0x142u, {0x19000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 833: a request */
+        {{0x182u, {0x19000000u, 0x00003412u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 833: and a reply: ok */
+        {{0x142u, {0x92000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 834: a request */
+        {{0x182u, {0x92A08C00u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 834: and a reply: ok */
+        {{0x142u, {0x94000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 835: a request */
+        {{0x182u, {0x94000000u, 0x50460000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 835: and a reply: ok */
+        {{0x142u, {0x9C000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 836: a request */
+        {{0x182u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 836: and a reply: ok */
+        {{0x142u, {0x9D000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 837: a request */
+        {{0x182u, {0x9D194000u, 0xC0FF0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 837: and a reply: ok */
+        {{0x142u, {0x81000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 838: a request */
+        {{0x182u, {0x81000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 838: and a reply: ok */
+        {{0x142u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 839: a request */
+        {{0x182u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 839: and a reply: ok */
+        {{0x142u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 840: a request */
+        {{0x182u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 840: and a reply: ok */
+        {{0x142u, {0x8C100000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 841: a request */
+        {{0x182u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 841: and a reply: ok */
+        {{0x142u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 842: a request */
+        {{0x182u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 842: and a reply: ok */
+        {{0x142u, {0x8C100000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 843: a request */
+        {{0x183u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 843: and a reply: not_answer */
+        {{0x143u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 844: a request */
+        {{0x183u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 844: and a reply: ok */
+        {{0x143u, {0x95000000u, 0x28230000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 845: a request */
+        {{0x183u, {0x95000000u, 0x28230000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 845: and a reply: ok */
+        {{0x143u, {0x95000000u, 0x28230000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 846: a request */
+        /* 846: and a reply: not_answer */
+        {{0x183u, {0x95000000u, 0x28230001u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x143u, {0x95000000u, 0x28230000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 847: a request */
+        {{0x183u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 847: and a reply: not_answer */
+        {{0x141u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 848: a request */
+        {{0x181u, {0xC00A0000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 848: and a reply: ok */
+        {{0x142u, {0xC10A0000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 849: a request */
+        {{0x182u, {0xC10A0000u, 0x88130000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 849: and a reply: ok */
+        {{0x141u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 850: a request */
+        {{0x181u, {0xC00B0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 850: and a reply: not_answer */
+        {{0x141u, {0xC00B0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 851: a request */
+        {{0x181u, {0xC00B0000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 851: and a reply: ok */
+        {{0x142u, {0xC10B0000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 852: a request */
+        {{0x182u, {0xC10B0000u, 0x88130000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 852: and a reply: ok */
+        {{0x141u, {0xC00B0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 853: a request */
+        {{0x181u, {0xC00C0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 853: and a reply: not_answer */
+        {{0x141u, {0xC00C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 854: a request */
+        {{0x181u, {0xC00C0000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 854: and a reply: ok */
+        {{0x142u, {0xC10C0000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 855: a request */
+        {{0x182u, {0xC10C0000u, 0x88130000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 855: and a reply: ok */
+        {{0x141u, {0xC00C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 856: a request */
+        {{0x181u, {0xC01E0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 856: and a reply: not_answer */
+        {{0x141u, {0xC01E0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 857: a request */
+        {{0x181u, {0xC01E0000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 857: and a reply: ok */
+        {{0x142u, {0xC11E0000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 858: a request */
+        {{0x182u, {0xC11E0000u, 0x88130000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 858: and a reply: ok */
+        {{0x141u, {0xC01E0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 859: a request */
+        {{0x181u, {0xC0200000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 859: and a reply: not_answer */
+        {{0x141u, {0xC0200000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 860: a request */
+        {{0x181u, {0xC0200000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 860: and a reply: ok */
+        {{0x142u, {0xC1200000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 861: a request */
+        {{0x182u, {0xC1200000u, 0x88130000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 861: and a reply: ok */
+        {{0x141u, {0xC0200000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 862: a request */
+        {{0x181u, {0xC0220000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 862: and a reply: not_answer */
+        {{0x141u, {0xC0220000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 863: a request */
+        {{0x181u, {0xC0220000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 863: and a reply: ok */
+        {{0x142u, {0xC1220000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 864: a request */
+        {{0x182u, {0xC1220000u, 0x88130000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 864: and a reply: ok */
+        {{0x141u, {0xC0220000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 865: a request */
+        {{0x181u, {0xC0240000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 865: and a reply: not_answer */
+        {{0x141u, {0xC0240000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 866: a request */
+        {{0x181u, {0xC0240000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 866: and a reply: ok */
+        {{0x142u, {0xC1240000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 867: a request */
+        {{0x182u, {0xC1240000u, 0x88130000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 867: and a reply: ok */
+        {{0x141u, {0xC0240000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 868: a request */
+        {{0x181u, {0xC0260000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 868: and a reply: not_answer */
+        {{0x141u, {0xC0260000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 869: a request */
+        {{0x181u, {0xC0260000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 869: and a reply: ok */
+        {{0x142u, {0xC1260000u, 0x10270000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 870: a request */
+        {{0x182u, {0xC1260000u, 0x88130000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 870: and a reply: ok */
+        {{0x141u, {0xC0260000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 871: a request */
+        {{0x181u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 871: and a reply: not_answer */
+        {{0x141u, {0xC0200000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 872: a request */
+        {{0x181u, {0xC1200000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 872: and a reply: not_answer */
+        {{0x141u, {0xC1200000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 873: a request */
+        {{0x181u, {0xC0200000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 873: and a reply: not_answer */
+        {{0x141u, {0xC1200000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 874: a request */
+        {{0x182u, {0xC1200000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 874: and a reply: not_answer */
+        {{0x141u, {0xC10A0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 875: a request */
+        {{0x181u, {0xC10B0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 875: and a reply: not_answer */
+        {{0x141u, {0xC0200000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 876: a request */
+        {{0x181u, {0xC0230000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 876: and a reply: not_answer */
     };
-    static const canwright_golden_exchange_t exchanges[] CANWRIGHT_FLASH = {
-        /* 806: request and reply: ok */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 807: request and reply: not_answer */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x01u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 808: request and reply: not_answer */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 809: request and reply: not_answer */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 810: request and reply: not_answer */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 811: request and reply: not_answer */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x9Au, 0x19u, 0x60u, 0x09u,
-            0x05u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 812: request and reply: ok */
-        {{0x160u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x1A0u, {0x92u, 0xA0u, 0x8Cu, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 813: request and reply: not_answer */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x1A1u, {0x92u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 814: request and reply: not_answer */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x180u, {0x92u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 815: request and reply: ok */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA0u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 816: request and reply: ok */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 817: request and reply: ok */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 818: request and reply: ok */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA3u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 819: request and reply: ok */
-        {{0x141u, {0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA4u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 820: request and reply: ok */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA5u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 821: request and reply: ok */
-        {{0x141u, {0xA6u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA6u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 822: request and reply: ok */
-        {{0x141u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA7u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 823: request and reply: ok */
-        {{0x141u, {0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA8u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 824: request and reply: not_answer */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 825: request and reply: ok */
-        {{0x160u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x1A0u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 826: request and reply: not_answer */
-        {{0x160u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x19Fu, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 827: request and reply: ok */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x9Bu, 0x19u, 0x60u, 0x09u,
-            0x05u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 828: request and reply: not_answer */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x9Au, 0x19u, 0x60u, 0x09u,
-            0x05u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 829: request and reply: ok */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x9Au, 0x19u, 0x60u, 0x09u,
-            0x05u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 830: request and reply: not_answer */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x9Bu, 0x19u, 0x60u, 0x09u,
-            0x05u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 831: request and reply: not_answer */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x9Cu, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 832: request and reply: ok */
-        {{0x142u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x90u, 0x00u, 0x01u, 0x02u,
-            0x03u, 0x04u, 0x05u, 0x06u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 833: request and reply: ok */
-        {{0x142u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x19u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x34u, 0x12u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 834: request and reply: ok */
-        {{0x142u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x92u, 0xA0u, 0x8Cu, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 835: request and reply: ok */
-        {{0x142u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x94u, 0x00u, 0x00u, 0x00u,
-            0x50u, 0x46u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 836: request and reply: ok */
-        {{0x142u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x9Cu, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 837: request and reply: ok */
-        {{0x142u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x9Du, 0x19u, 0x40u, 0x00u,
-            0xC0u, 0xFFu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 838: request and reply: ok */
-        {{0x142u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x81u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 839: request and reply: ok */
-        {{0x142u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x88u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 840: request and reply: ok */
-        {{0x142u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x8Cu, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 841: request and reply: ok */
-        {{0x142u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x8Cu, 0x01u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 842: request and reply: ok */
-        {{0x142u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x8Cu, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 843: request and reply: not_answer */
-        {{0x142u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x183u, {0x8Cu, 0x01u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 844: request and reply: ok */
-        {{0x143u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x183u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 845: request and reply: ok */
-        {{0x143u, {0x95u, 0x00u, 0x00u, 0x00u, 0x28u, 0x23u, 0x00u, 0x00u}}, {0x183u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0x28u, 0x23u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 846: request and reply: not_answer */
-        {{0x143u, {0x95u, 0x00u, 0x00u, 0x00u, 0x28u, 0x23u, 0x00u, 0x00u}}, {0x183u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0x28u, 0x23u, 0x00u, 0x01u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 847: request and reply: not_answer */
-        {{0x143u, {0x95u, 0x00u, 0x00u, 0x00u, 0x28u, 0x23u, 0x00u, 0x00u}}, {0x183u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 848: request and reply: ok */
-        {{0x141u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x0Au, 0x00u, 0x00u,
-            0x10u, 0x27u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 849: request and reply: ok */
-        {{0x142u, {0xC1u, 0x0Au, 0x00u, 0x00u, 0x10u, 0x27u, 0x00u, 0x00u}}, {0x182u, {0xC1u, 0x0Au, 0x00u, 0x00u,
-            0x88u, 0x13u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 850: request and reply: not_answer */
-        {{0x141u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x0Bu, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 851: request and reply: ok */
-        {{0x141u, {0xC0u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x0Bu, 0x00u, 0x00u,
-            0x10u, 0x27u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 852: request and reply: ok */
-        {{0x142u, {0xC1u, 0x0Bu, 0x00u, 0x00u, 0x10u, 0x27u, 0x00u, 0x00u}}, {0x182u, {0xC1u, 0x0Bu, 0x00u, 0x00u,
-            0x88u, 0x13u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 853: request and reply: not_answer */
-        {{0x141u, {0xC0u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x0Cu, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 854: request and reply: ok */
-        {{0x141u, {0xC0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x0Cu, 0x00u, 0x00u,
-            0x10u, 0x27u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 855: request and reply: ok */
-        {{0x142u, {0xC1u, 0x0Cu, 0x00u, 0x00u, 0x10u, 0x27u, 0x00u, 0x00u}}, {0x182u, {0xC1u, 0x0Cu, 0x00u, 0x00u,
-            0x88u, 0x13u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 856: request and reply: not_answer */
-        {{0x141u, {0xC0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 857: request and reply: ok */
-        {{0x141u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u,
-            0x10u, 0x27u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 858: request and reply: ok */
-        {{0x142u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x10u, 0x27u, 0x00u, 0x00u}}, {0x182u, {0xC1u, 0x1Eu, 0x00u, 0x00u,
-            0x88u, 0x13u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 859: request and reply: not_answer */
-        {{0x141u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x20u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 860: request and reply: ok */
-        {{0x141u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x20u, 0x00u, 0x00u,
-            0x10u, 0x27u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 861: request and reply: ok */
-        {{0x142u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x10u, 0x27u, 0x00u, 0x00u}}, {0x182u, {0xC1u, 0x20u, 0x00u, 0x00u,
-            0x88u, 0x13u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 862: request and reply: not_answer */
-        {{0x141u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x22u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 863: request and reply: ok */
-        {{0x141u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x22u, 0x00u, 0x00u,
-            0x10u, 0x27u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 864: request and reply: ok */
-        {{0x142u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x10u, 0x27u, 0x00u, 0x00u}}, {0x182u, {0xC1u, 0x22u, 0x00u, 0x00u,
-            0x88u, 0x13u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 865: request and reply: not_answer */
-        {{0x141u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x24u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 866: request and reply: ok */
-        {{0x141u, {0xC0u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x24u, 0x00u, 0x00u,
-            0x10u, 0x27u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 867: request and reply: ok */
-        {{0x142u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x10u, 0x27u, 0x00u, 0x00u}}, {0x182u, {0xC1u, 0x24u, 0x00u, 0x00u,
-            0x88u, 0x13u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 868: request and reply: not_answer */
-        {{0x141u, {0xC0u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x26u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 869: request and reply: ok */
-        {{0x141u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x26u, 0x00u, 0x00u,
-            0x10u, 0x27u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 870: request and reply: ok */
-        {{0x142u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x10u, 0x27u, 0x00u, 0x00u}}, {0x182u, {0xC1u, 0x26u, 0x00u, 0x00u,
-            0x88u, 0x13u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 871: request and reply: not_answer */
-        {{0x141u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x0Au, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 872: request and reply: not_answer */
-        {{0x141u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC1u, 0x20u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 873: request and reply: not_answer */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x20u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 874: request and reply: not_answer */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0xC1u, 0x20u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 875: request and reply: not_answer */
-        {{0x141u, {0xC1u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC1u, 0x0Bu, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 876: request and reply: not_answer */
-        {{0x141u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xC0u, 0x23u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-    };
-    mwd_motor_v2_36_2024_11_parameters_t parameters;
-    const canwright_stored_t none = {0u, {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u}};
+    canwright_frame_t asked;
     mwd_motor_v2_36_2024_11_selftest_t done;
-    canwright_frame_t frame;
-    canwright_step_t step;
     uint16_t i;
     result->cases = 0u;
     result->failures = 0u;
     result->first = 0u;
     result->step = CANWRIGHT_STEP_NONE;
-    canwright_restore(&result->frame, &none, 0u);
-    for (i = 0u; i < 610u; i++) {
-        canwright_golden_t entry;
-        canwright_flash_read(&entry, frames, i, sizeof entry);
+    canwright_clear(&asked);
+    result->frame = asked;
+    for (i = 0u; i < 947u; i++) {
+        canwright_step_t step = CANWRIGHT_STEP_NONE;
+        mwd_motor_v2_36_2024_11_selftest_raws_t expected;
+        canwright_golden_message_t message;
+        canwright_case_t entry;
+        canwright_frame_t frame;
+        uint16_t field;
+        mwd_motor_v2_36_2024_11_any_request_t request;
+        canwright_status_t request_status;
+        mwd_motor_v2_36_2024_11_any_reply_t reply;
+        canwright_status_t reply_status;
+        mwd_motor_v2_36_2024_11_parameters_t parameters;
+        canwright_flash_read(&entry, cases, i, sizeof entry);
+        canwright_flash_read(&message, messages, entry.message, sizeof message);
         canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
         canwright_restore(&frame, &entry.frame, entry.dlc);
-        mwd_motor_v2_36_2024_11_selftest_message(&done, &frame, entry.message, entry.raws, entry.node, &parameters);
-        step = CANWRIGHT_STEP_NONE;
-        if (done.decoded != CANWRIGHT_OK) {
-            step = CANWRIGHT_STEP_DECODE;
-        } else if (!done.same || done.node != entry.node) {
-            step = CANWRIGHT_STEP_FIELDS;
-        } else if ((entry.flags & CANWRIGHT_GOLDEN_UNIQUE) != 0u && !done.any_same) {
-            step = CANWRIGHT_STEP_DECODE_ANY;
-        } else if ((entry.flags & CANWRIGHT_GOLDEN_ENCODED) != 0u
-            && (done.encoded != CANWRIGHT_OK || !canwright_same_frame(&done.written, &frame))) {
-            step = CANWRIGHT_STEP_ENCODE;
+        canwright_spoil(&done, sizeof done);
+        field = mwd_motor_v2_36_2024_11_selftest_read(&expected, message.layout, entry.raws, &parameters);
+        mwd_motor_v2_36_2024_11_selftest_message(&done, &frame, entry.message, entry.node, &expected, &parameters);
+        request_status = mwd_motor_v2_36_2024_11_decode_request(&request, &frame);
+        reply_status = mwd_motor_v2_36_2024_11_decode_reply(&reply, &frame, &parameters);
+        switch (entry.kind) {
+        case CANWRIGHT_CASE_ASKED:
+            asked = frame;
+            continue;
+        case CANWRIGHT_CASE_ANSWER:
+            if (mwd_motor_v2_36_2024_11_check_reply(&asked, &frame) != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REPLY;
+            }
+            break;
+        case CANWRIGHT_CASE_REQUEST:
+            if (request_status != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REJECT_FRAME;
+            }
+            break;
+        case CANWRIGHT_CASE_REPLY:
+            if (reply_status != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REJECT_FRAME;
+            }
+            break;
+        case CANWRIGHT_CASE_MESSAGE:
+            if (done.encoded != (canwright_status_t)entry.status || (entry.field != 0u && entry.field != field)) {
+                step = CANWRIGHT_STEP_REJECT_MESSAGE;
+            }
+            frame = done.written;
+            break;
+        default:
+            if (done.decoded != CANWRIGHT_OK) {
+                step = CANWRIGHT_STEP_DECODE;
+            } else if (done.node != entry.node || !mwd_motor_v2_36_2024_11_selftest_same(message.layout, &done.raws,
+                &expected)) {
+                step = CANWRIGHT_STEP_FIELDS;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_UNIQUE) != 0u && !message.is_reply
+                && (request_status != CANWRIGHT_OK || (uint32_t)request.command != message.command
+                    || request.node != entry.node
+                    || !mwd_motor_v2_36_2024_11_selftest_same(message.layout, &request.as, &expected))) {
+                step = CANWRIGHT_STEP_DECODE_ANY;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_UNIQUE) != 0u && message.is_reply
+                && (reply_status != CANWRIGHT_OK || (uint32_t)reply.command != message.command
+                    || reply.node != entry.node
+                    || !mwd_motor_v2_36_2024_11_selftest_same(message.layout, &reply.as, &expected))) {
+                step = CANWRIGHT_STEP_DECODE_ANY;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_ENCODED) != 0u
+                && (done.encoded != CANWRIGHT_OK || !canwright_same_frame(&done.written, &frame))) {
+                step = CANWRIGHT_STEP_ENCODE;
+            }
+            break;
         }
         canwright_selftest_count(result, step, &frame);
-    }
-    for (i = 0u; i < 120u; i++) {
-        canwright_golden_rejection_t entry;
-        canwright_flash_read(&entry, rejections, i, sizeof entry);
-        canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
-        canwright_restore(&frame, &entry.frame, entry.dlc);
-        step = CANWRIGHT_STEP_REJECT_FRAME;
-        if (entry.is_request == 1u) {
-            mwd_motor_v2_36_2024_11_any_request_t any;
-            if (mwd_motor_v2_36_2024_11_decode_request(&any, &frame) == (canwright_status_t)entry.status) {
-                step = CANWRIGHT_STEP_NONE;
-            }
-        }
-        if (entry.is_request == 0u) {
-            mwd_motor_v2_36_2024_11_any_reply_t any;
-            if (mwd_motor_v2_36_2024_11_decode_reply(&any, &frame, &parameters) == (canwright_status_t)entry.status) {
-                step = CANWRIGHT_STEP_NONE;
-            }
-        }
-        canwright_selftest_count(result, step, &frame);
-    }
-    for (i = 0u; i < 75u; i++) {
-        canwright_golden_refusal_t entry;
-        canwright_flash_read(&entry, refusals, i, sizeof entry);
-        canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
-        canwright_restore(&frame, &none, 0u);
-        done.written = frame;
-        mwd_motor_v2_36_2024_11_selftest_message(&done, &frame, entry.message, entry.raws, entry.node, &parameters);
-        step = CANWRIGHT_STEP_NONE;
-        if (done.encoded != (canwright_status_t)entry.status || (entry.field != 0u && entry.field != done.field)) {
-            step = CANWRIGHT_STEP_REJECT_MESSAGE;
-        }
-        canwright_selftest_count(result, step, &done.written);
-    }
-    for (i = 0u; i < 71u; i++) {
-        canwright_golden_exchange_t entry;
-        canwright_flash_read(&entry, exchanges, i, sizeof entry);
-        canwright_frame_t reply;
-        canwright_restore(&frame, &entry.request, entry.request_dlc);
-        canwright_restore(&reply, &entry.reply, entry.reply_dlc);
-        step = CANWRIGHT_STEP_NONE;
-        if (mwd_motor_v2_36_2024_11_check_reply(&frame, &reply) != (canwright_status_t)entry.status) {
-            step = CANWRIGHT_STEP_REPLY;
-        }
-        canwright_selftest_count(result, step, &reply);
     }
     return result->failures;
 }

@@ -25,343 +25,259 @@
 #endif
 #endif
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_brake_request_matches(
-    const mwd_motor_v2_36_2025_03_brake_request_t *one, const mwd_motor_v2_36_2025_03_brake_request_t *other)
-{
-    return one->action == other->action;
-}
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_brake_reply_matches(
-    const mwd_motor_v2_36_2025_03_brake_reply_t *one, const mwd_motor_v2_36_2025_03_brake_reply_t *other)
-{
-    return one->state == other->state;
-}
+/** The raw integers of any message. */
+typedef union {
+    /** Of a message without fields. */
+    uint8_t none;
+    mwd_motor_v2_36_2025_03_brake_request_t raws_brake_request;
+    mwd_motor_v2_36_2025_03_brake_reply_t raws_brake_reply;
+    mwd_motor_v2_36_2025_03_set_power_request_t raws_set_power_request;
+    mwd_motor_v2_36_2025_03_motion_feedback_t raws_motion_feedback;
+    mwd_motor_v2_36_2025_03_set_torque_request_t raws_set_torque_request;
+    mwd_motor_v2_36_2025_03_set_speed_request_t raws_set_speed_request;
+    mwd_motor_v2_36_2025_03_move_to_angle_request_t raws_move_to_angle_request;
+    mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t raws_move_to_angle_at_speed_request;
+    mwd_motor_v2_36_2025_03_turn_to_angle_request_t raws_turn_to_angle_request;
+    mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t raws_turn_to_angle_at_speed_request;
+    mwd_motor_v2_36_2025_03_move_by_angle_request_t raws_move_by_angle_request;
+    mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t raws_move_by_angle_at_speed_request;
+    mwd_motor_v2_36_2025_03_pid_gains_t raws_pid_gains;
+    mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t raws_control_parameters_max_torque_current;
+    mwd_motor_v2_36_2025_03_control_parameters_max_speed_t raws_control_parameters_max_speed;
+    mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t raws_control_parameters_upper_angle;
+    mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t raws_control_parameters_lower_angle;
+    mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t raws_control_parameters_speed_ramp;
+    mwd_motor_v2_36_2025_03_read_encoder_reply_t raws_read_encoder_reply;
+    mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t raws_calibrate_encoder_reply;
+    mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t raws_write_position_as_zero_rom_reply;
+    mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t raws_read_multi_turn_angle_reply;
+    mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t raws_read_single_turn_angle_reply;
+    mwd_motor_v2_36_2025_03_status_1_t raws_status_1;
+    mwd_motor_v2_36_2025_03_read_status_3_reply_t raws_read_status_3_reply;
+    mwd_motor_v2_36_2025_03_stored_settings_driver_id_t raws_stored_settings_driver_id;
+    mwd_motor_v2_36_2025_03_stored_settings_bus_type_t raws_stored_settings_bus_type;
+    mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t raws_stored_settings_rs485_baud_rate;
+    mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t raws_stored_settings_can_baud_rate;
+    mwd_motor_v2_36_2025_03_stored_settings_max_power_t raws_stored_settings_max_power;
+    mwd_motor_v2_36_2025_03_stored_settings_max_speed_t raws_stored_settings_max_speed;
+    mwd_motor_v2_36_2025_03_stored_settings_max_angle_t raws_stored_settings_max_angle;
+    mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t raws_stored_settings_current_ramp;
+    mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t raws_stored_settings_speed_ramp;
+    mwd_motor_v2_36_2025_03_save_settings_reply_t raws_save_stored_settings_reply;
+} mwd_motor_v2_36_2025_03_selftest_raws_t;
 
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_set_power_request_matches(
-    const mwd_motor_v2_36_2025_03_set_power_request_t *one, const mwd_motor_v2_36_2025_03_set_power_request_t *other)
-{
-    return one->power == other->power;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_motion_feedback_matches(
-    const mwd_motor_v2_36_2025_03_motion_feedback_t *one, const mwd_motor_v2_36_2025_03_motion_feedback_t *other)
-{
-    return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
-        && one->speed == other->speed && one->encoder == other->encoder;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_set_torque_request_matches(
-    const mwd_motor_v2_36_2025_03_set_torque_request_t *one,
-    const mwd_motor_v2_36_2025_03_set_torque_request_t *other)
-{
-    return one->iq == other->iq;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_set_speed_request_matches(
-    const mwd_motor_v2_36_2025_03_set_speed_request_t *one, const mwd_motor_v2_36_2025_03_set_speed_request_t *other)
-{
-    return one->iq_limit == other->iq_limit && one->speed == other->speed;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_move_to_angle_request_matches(
-    const mwd_motor_v2_36_2025_03_move_to_angle_request_t *one,
-    const mwd_motor_v2_36_2025_03_move_to_angle_request_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_matches(
-    const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t *one,
-    const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t *other)
-{
-    return one->max_speed == other->max_speed && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_turn_to_angle_request_matches(
-    const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *one,
-    const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *other)
-{
-    return one->spin_direction == other->spin_direction && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_matches(
-    const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *one,
-    const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *other)
-{
-    return one->spin_direction == other->spin_direction && one->max_speed == other->max_speed
-        && one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_move_by_angle_request_matches(
-    const mwd_motor_v2_36_2025_03_move_by_angle_request_t *one,
-    const mwd_motor_v2_36_2025_03_move_by_angle_request_t *other)
-{
-    return one->increment == other->increment;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_matches(
-    const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t *one,
-    const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t *other)
-{
-    return one->max_speed == other->max_speed && one->increment == other->increment;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_pid_gains_matches(
-    const mwd_motor_v2_36_2025_03_pid_gains_t *one, const mwd_motor_v2_36_2025_03_pid_gains_t *other)
-{
-    return one->kp == other->kp && one->ki == other->ki && one->kd == other->kd;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(
-    const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *one,
-    const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *other)
-{
-    return one->max_torque_current == other->max_torque_current;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(
-    const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *one,
-    const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *other)
-{
-    return one->max_speed == other->max_speed;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(
-    const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t *one,
-    const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t *other)
-{
-    return one->upper_angle == other->upper_angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(
-    const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t *one,
-    const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t *other)
-{
-    return one->lower_angle == other->lower_angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(
-    const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *one,
-    const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *other)
-{
-    return one->speed_ramp == other->speed_ramp;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_read_encoder_reply_matches(
-    const mwd_motor_v2_36_2025_03_read_encoder_reply_t *one,
-    const mwd_motor_v2_36_2025_03_read_encoder_reply_t *other)
-{
-    return one->encoder == other->encoder && one->encoder_measured == other->encoder_measured
-        && one->encoder_offset == other->encoder_offset;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_calibrate_encoder_reply_matches(
-    const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *one,
-    const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *other)
-{
-    return one->align_value == other->align_value && one->align_ratio == other->align_ratio
-        && one->align_state == other->align_state;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_matches(
-    const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *one,
-    const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *other)
-{
-    return one->encoder_offset == other->encoder_offset;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_matches(
-    const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *one,
-    const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_matches(
-    const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *one,
-    const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *other)
-{
-    return one->angle == other->angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_status_1_matches(
-    const mwd_motor_v2_36_2025_03_status_1_t *one, const mwd_motor_v2_36_2025_03_status_1_t *other)
-{
-    return one->temperature == other->temperature && one->voltage == other->voltage && one->current == other->current
-        && one->motor_state == other->motor_state && one->errors == other->errors;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_read_status_3_reply_matches(
-    const mwd_motor_v2_36_2025_03_read_status_3_reply_t *one,
-    const mwd_motor_v2_36_2025_03_read_status_3_reply_t *other)
-{
-    return one->temperature == other->temperature && one->phase_a == other->phase_a && one->phase_b == other->phase_b
-        && one->phase_c == other->phase_c;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(
-    const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *one,
-    const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *other)
-{
-    return one->driver_id == other->driver_id;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(
-    const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *one,
-    const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *other)
-{
-    return one->bus_type == other->bus_type;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(
-    const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *one,
-    const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *other)
-{
-    return one->rs485_baud_rate == other->rs485_baud_rate;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(
-    const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *one,
-    const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *other)
-{
-    return one->can_baud_rate == other->can_baud_rate;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(
-    const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *one,
-    const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *other)
-{
-    return one->max_power == other->max_power;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(
-    const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *one,
-    const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *other)
-{
-    return one->max_speed == other->max_speed;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(
-    const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *one,
-    const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *other)
-{
-    return one->max_angle == other->max_angle;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(
-    const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *one,
-    const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *other)
-{
-    return one->current_ramp == other->current_ramp;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(
-    const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *one,
-    const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *other)
-{
-    return one->speed_ramp == other->speed_ramp;
-}
-
-/** True for messages with equal fields. */
-CANWRIGHT_NONNULL
-static inline bool mwd_motor_v2_36_2025_03_save_settings_reply_matches(
-    const mwd_motor_v2_36_2025_03_save_settings_reply_t *one,
-    const mwd_motor_v2_36_2025_03_save_settings_reply_t *other)
-{
-    return one->result == other->result;
-}
-
-/** What the functions of one message return for a golden frame. */
+/** What the functions of one message return. */
 typedef struct {
     /** The status of the function that decodes the message. */
     canwright_status_t decoded;
-    /** True if it returns the expected fields. */
-    bool same;
+    /** The raw integers that it returns. */
+    mwd_motor_v2_36_2025_03_selftest_raws_t raws;
     /** The node that it returns. */
     uint32_t node;
     /** The status of the function that encodes the message. */
     canwright_status_t encoded;
     /** The frame that it writes. */
     canwright_frame_t written;
-    /** The rejected field; 0 without. */
-    uint16_t field;
-    /** True if the function that decodes any frame returns the same command, node and fields. */
-    bool any_same;
 } mwd_motor_v2_36_2025_03_selftest_t;
 
-/** Decodes a frame as one message, and encodes the message with the raw integers of an entry. */
+/** True for messages of a layout with equal fields. */
 CANWRIGHT_NONNULL
-static inline void mwd_motor_v2_36_2025_03_selftest_message(
-    mwd_motor_v2_36_2025_03_selftest_t *result, const canwright_frame_t *frame, uint16_t message, uint16_t raws,
-    uint32_t node, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
+static inline bool mwd_motor_v2_36_2025_03_selftest_same(uint16_t layout, const void *raws, const void *expected)
+{
+    switch (layout) {
+    case 1u: {
+        const mwd_motor_v2_36_2025_03_brake_request_t *one = (const mwd_motor_v2_36_2025_03_brake_request_t *)raws;
+        const mwd_motor_v2_36_2025_03_brake_request_t *other = (const mwd_motor_v2_36_2025_03_brake_request_t *)expected;
+        return one->action == other->action;
+    }
+    case 2u: {
+        const mwd_motor_v2_36_2025_03_brake_reply_t *one = (const mwd_motor_v2_36_2025_03_brake_reply_t *)raws;
+        const mwd_motor_v2_36_2025_03_brake_reply_t *other = (const mwd_motor_v2_36_2025_03_brake_reply_t *)expected;
+        return one->state == other->state;
+    }
+    case 3u: {
+        const mwd_motor_v2_36_2025_03_set_power_request_t *one = (const mwd_motor_v2_36_2025_03_set_power_request_t *)raws;
+        const mwd_motor_v2_36_2025_03_set_power_request_t *other = (const mwd_motor_v2_36_2025_03_set_power_request_t *)expected;
+        return one->power == other->power;
+    }
+    case 4u: {
+        const mwd_motor_v2_36_2025_03_motion_feedback_t *one = (const mwd_motor_v2_36_2025_03_motion_feedback_t *)raws;
+        const mwd_motor_v2_36_2025_03_motion_feedback_t *other = (const mwd_motor_v2_36_2025_03_motion_feedback_t *)expected;
+        return one->temperature == other->temperature && one->power == other->power && one->iq == other->iq
+            && one->speed == other->speed && one->encoder == other->encoder;
+    }
+    case 5u: {
+        const mwd_motor_v2_36_2025_03_set_torque_request_t *one = (const mwd_motor_v2_36_2025_03_set_torque_request_t *)raws;
+        const mwd_motor_v2_36_2025_03_set_torque_request_t *other = (const mwd_motor_v2_36_2025_03_set_torque_request_t *)expected;
+        return one->iq == other->iq;
+    }
+    case 6u: {
+        const mwd_motor_v2_36_2025_03_set_speed_request_t *one = (const mwd_motor_v2_36_2025_03_set_speed_request_t *)raws;
+        const mwd_motor_v2_36_2025_03_set_speed_request_t *other = (const mwd_motor_v2_36_2025_03_set_speed_request_t *)expected;
+        return one->iq_limit == other->iq_limit && one->speed == other->speed;
+    }
+    case 7u: {
+        const mwd_motor_v2_36_2025_03_move_to_angle_request_t *one = (const mwd_motor_v2_36_2025_03_move_to_angle_request_t *)raws;
+        const mwd_motor_v2_36_2025_03_move_to_angle_request_t *other = (const mwd_motor_v2_36_2025_03_move_to_angle_request_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 8u: {
+        const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t *one = (const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t *other = (const mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t *)expected;
+        return one->max_speed == other->max_speed && one->angle == other->angle;
+    }
+    case 9u: {
+        const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *one = (const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *)raws;
+        const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *other = (const mwd_motor_v2_36_2025_03_turn_to_angle_request_t *)expected;
+        return one->spin_direction == other->spin_direction && one->angle == other->angle;
+    }
+    case 10u: {
+        const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *one = (const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *other = (const mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t *)expected;
+        return one->spin_direction == other->spin_direction && one->max_speed == other->max_speed
+            && one->angle == other->angle;
+    }
+    case 11u: {
+        const mwd_motor_v2_36_2025_03_move_by_angle_request_t *one = (const mwd_motor_v2_36_2025_03_move_by_angle_request_t *)raws;
+        const mwd_motor_v2_36_2025_03_move_by_angle_request_t *other = (const mwd_motor_v2_36_2025_03_move_by_angle_request_t *)expected;
+        return one->increment == other->increment;
+    }
+    case 12u: {
+        const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t *one = (const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t *)raws;
+        const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t *other = (const mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t *)expected;
+        return one->max_speed == other->max_speed && one->increment == other->increment;
+    }
+    case 13u: {
+        const mwd_motor_v2_36_2025_03_pid_gains_t *one = (const mwd_motor_v2_36_2025_03_pid_gains_t *)raws;
+        const mwd_motor_v2_36_2025_03_pid_gains_t *other = (const mwd_motor_v2_36_2025_03_pid_gains_t *)expected;
+        return one->kp == other->kp && one->ki == other->ki && one->kd == other->kd;
+    }
+    case 14u: {
+        const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *one = (const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *)raws;
+        const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *other = (const mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t *)expected;
+        return one->max_torque_current == other->max_torque_current;
+    }
+    case 15u: {
+        const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *one = (const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *)raws;
+        const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *other = (const mwd_motor_v2_36_2025_03_control_parameters_max_speed_t *)expected;
+        return one->max_speed == other->max_speed;
+    }
+    case 16u: {
+        const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t *one = (const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t *)raws;
+        const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t *other = (const mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t *)expected;
+        return one->upper_angle == other->upper_angle;
+    }
+    case 17u: {
+        const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t *one = (const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t *)raws;
+        const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t *other = (const mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t *)expected;
+        return one->lower_angle == other->lower_angle;
+    }
+    case 18u: {
+        const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *one = (const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *)raws;
+        const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *other = (const mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t *)expected;
+        return one->speed_ramp == other->speed_ramp;
+    }
+    case 19u: {
+        const mwd_motor_v2_36_2025_03_read_encoder_reply_t *one = (const mwd_motor_v2_36_2025_03_read_encoder_reply_t *)raws;
+        const mwd_motor_v2_36_2025_03_read_encoder_reply_t *other = (const mwd_motor_v2_36_2025_03_read_encoder_reply_t *)expected;
+        return one->encoder == other->encoder && one->encoder_measured == other->encoder_measured
+            && one->encoder_offset == other->encoder_offset;
+    }
+    case 20u: {
+        const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *one = (const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *)raws;
+        const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *other = (const mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t *)expected;
+        return one->align_value == other->align_value && one->align_ratio == other->align_ratio
+            && one->align_state == other->align_state;
+    }
+    case 21u: {
+        const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *one = (const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *)raws;
+        const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *other = (const mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t *)expected;
+        return one->encoder_offset == other->encoder_offset;
+    }
+    case 22u: {
+        const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *one = (const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *)raws;
+        const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *other = (const mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 23u: {
+        const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *one = (const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *)raws;
+        const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *other = (const mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t *)expected;
+        return one->angle == other->angle;
+    }
+    case 24u: {
+        const mwd_motor_v2_36_2025_03_status_1_t *one = (const mwd_motor_v2_36_2025_03_status_1_t *)raws;
+        const mwd_motor_v2_36_2025_03_status_1_t *other = (const mwd_motor_v2_36_2025_03_status_1_t *)expected;
+        return one->temperature == other->temperature && one->voltage == other->voltage
+            && one->current == other->current && one->motor_state == other->motor_state
+            && one->errors == other->errors;
+    }
+    case 25u: {
+        const mwd_motor_v2_36_2025_03_read_status_3_reply_t *one = (const mwd_motor_v2_36_2025_03_read_status_3_reply_t *)raws;
+        const mwd_motor_v2_36_2025_03_read_status_3_reply_t *other = (const mwd_motor_v2_36_2025_03_read_status_3_reply_t *)expected;
+        return one->temperature == other->temperature && one->phase_a == other->phase_a
+            && one->phase_b == other->phase_b && one->phase_c == other->phase_c;
+    }
+    case 26u: {
+        const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *one = (const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *)raws;
+        const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *other = (const mwd_motor_v2_36_2025_03_stored_settings_driver_id_t *)expected;
+        return one->driver_id == other->driver_id;
+    }
+    case 27u: {
+        const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *one = (const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *)raws;
+        const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *other = (const mwd_motor_v2_36_2025_03_stored_settings_bus_type_t *)expected;
+        return one->bus_type == other->bus_type;
+    }
+    case 28u: {
+        const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *one = (const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *)raws;
+        const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *other = (const mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t *)expected;
+        return one->rs485_baud_rate == other->rs485_baud_rate;
+    }
+    case 29u: {
+        const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *one = (const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *)raws;
+        const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *other = (const mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t *)expected;
+        return one->can_baud_rate == other->can_baud_rate;
+    }
+    case 30u: {
+        const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *one = (const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *)raws;
+        const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *other = (const mwd_motor_v2_36_2025_03_stored_settings_max_power_t *)expected;
+        return one->max_power == other->max_power;
+    }
+    case 31u: {
+        const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *one = (const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *)raws;
+        const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *other = (const mwd_motor_v2_36_2025_03_stored_settings_max_speed_t *)expected;
+        return one->max_speed == other->max_speed;
+    }
+    case 32u: {
+        const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *one = (const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *)raws;
+        const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *other = (const mwd_motor_v2_36_2025_03_stored_settings_max_angle_t *)expected;
+        return one->max_angle == other->max_angle;
+    }
+    case 33u: {
+        const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *one = (const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *)raws;
+        const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *other = (const mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t *)expected;
+        return one->current_ramp == other->current_ramp;
+    }
+    case 34u: {
+        const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *one = (const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *)raws;
+        const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *other = (const mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t *)expected;
+        return one->speed_ramp == other->speed_ramp;
+    }
+    case 35u: {
+        const mwd_motor_v2_36_2025_03_save_settings_reply_t *one = (const mwd_motor_v2_36_2025_03_save_settings_reply_t *)raws;
+        const mwd_motor_v2_36_2025_03_save_settings_reply_t *other = (const mwd_motor_v2_36_2025_03_save_settings_reply_t *)expected;
+        return one->result == other->result;
+    }
+    default:
+        return raws != expected;
+    }
+}
+
+/** Reads an entry of the table of a layout; returns the field that is rejected, 0 without. */
+CANWRIGHT_NONNULL
+static inline uint16_t mwd_motor_v2_36_2025_03_selftest_read(
+    mwd_motor_v2_36_2025_03_selftest_raws_t *raws, uint16_t layout, uint16_t index,
+    const mwd_motor_v2_36_2025_03_parameters_t *parameters)
 {
     static const mwd_motor_v2_36_2025_03_brake_request_t raws_brake_request[] CANWRIGHT_FLASH = {
         {16u},
@@ -819,2257 +735,906 @@ static inline void mwd_motor_v2_36_2025_03_selftest_message(
         {250u},
         {255u},
     };
-    union {
-        mwd_motor_v2_36_2025_03_brake_request_t raws_brake_request;
-        mwd_motor_v2_36_2025_03_brake_reply_t raws_brake_reply;
-        mwd_motor_v2_36_2025_03_set_power_request_t raws_set_power_request;
-        mwd_motor_v2_36_2025_03_motion_feedback_t raws_motion_feedback;
-        mwd_motor_v2_36_2025_03_set_torque_request_t raws_set_torque_request;
-        mwd_motor_v2_36_2025_03_set_speed_request_t raws_set_speed_request;
-        mwd_motor_v2_36_2025_03_move_to_angle_request_t raws_move_to_angle_request;
-        mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_t raws_move_to_angle_at_speed_request;
-        mwd_motor_v2_36_2025_03_turn_to_angle_request_t raws_turn_to_angle_request;
-        mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_t raws_turn_to_angle_at_speed_request;
-        mwd_motor_v2_36_2025_03_move_by_angle_request_t raws_move_by_angle_request;
-        mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_t raws_move_by_angle_at_speed_request;
-        mwd_motor_v2_36_2025_03_pid_gains_t raws_pid_gains;
-        mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_t raws_control_parameters_max_torque_current;
-        mwd_motor_v2_36_2025_03_control_parameters_max_speed_t raws_control_parameters_max_speed;
-        mwd_motor_v2_36_2025_03_control_parameters_upper_angle_t raws_control_parameters_upper_angle;
-        mwd_motor_v2_36_2025_03_control_parameters_lower_angle_t raws_control_parameters_lower_angle;
-        mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_t raws_control_parameters_speed_ramp;
-        mwd_motor_v2_36_2025_03_read_encoder_reply_t raws_read_encoder_reply;
-        mwd_motor_v2_36_2025_03_calibrate_encoder_reply_t raws_calibrate_encoder_reply;
-        mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_t raws_write_position_as_zero_rom_reply;
-        mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_t raws_read_multi_turn_angle_reply;
-        mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_t raws_read_single_turn_angle_reply;
-        mwd_motor_v2_36_2025_03_status_1_t raws_status_1;
-        mwd_motor_v2_36_2025_03_read_status_3_reply_t raws_read_status_3_reply;
-        mwd_motor_v2_36_2025_03_stored_settings_driver_id_t raws_stored_settings_driver_id;
-        mwd_motor_v2_36_2025_03_stored_settings_bus_type_t raws_stored_settings_bus_type;
-        mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_t raws_stored_settings_rs485_baud_rate;
-        mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_t raws_stored_settings_can_baud_rate;
-        mwd_motor_v2_36_2025_03_stored_settings_max_power_t raws_stored_settings_max_power;
-        mwd_motor_v2_36_2025_03_stored_settings_max_speed_t raws_stored_settings_max_speed;
-        mwd_motor_v2_36_2025_03_stored_settings_max_angle_t raws_stored_settings_max_angle;
-        mwd_motor_v2_36_2025_03_stored_settings_current_ramp_t raws_stored_settings_current_ramp;
-        mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_t raws_stored_settings_speed_ramp;
-        mwd_motor_v2_36_2025_03_save_settings_reply_t raws_save_stored_settings_reply;
-    } wanted, found;
-    mwd_motor_v2_36_2025_03_any_request_t request;
-    mwd_motor_v2_36_2025_03_any_reply_t reply;
     mwd_motor_v2_36_2025_03_field_t field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-    result->decoded = CANWRIGHT_UNKNOWN_CODE;
-    result->same = false;
-    result->node = 0u;
-    result->encoded = CANWRIGHT_UNKNOWN_CODE;
-    result->any_same = false;
+    canwright_status_t status = CANWRIGHT_OK;
+    raws->none = 0u;
     (void)parameters;
-    switch (message) {
+switch (layout) {
+    case 1u:
+        canwright_flash_read(&raws->raws_brake_request, raws_brake_request, index, sizeof raws->raws_brake_request);
+        status = mwd_motor_v2_36_2025_03_brake_request_check(&field, &raws->raws_brake_request);
+        break;
+    case 2u:
+        canwright_flash_read(&raws->raws_brake_reply, raws_brake_reply, index, sizeof raws->raws_brake_reply);
+        status = mwd_motor_v2_36_2025_03_brake_reply_check(&field, &raws->raws_brake_reply);
+        break;
+    case 3u:
+        canwright_flash_read(&raws->raws_set_power_request, raws_set_power_request, index,
+            sizeof raws->raws_set_power_request);
+        status = mwd_motor_v2_36_2025_03_set_power_request_check(&field, &raws->raws_set_power_request);
+        break;
+    case 4u:
+        canwright_flash_read(&raws->raws_motion_feedback, raws_motion_feedback, index,
+            sizeof raws->raws_motion_feedback);
+        status = mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &raws->raws_motion_feedback, parameters);
+        break;
+    case 5u:
+        canwright_flash_read(&raws->raws_set_torque_request, raws_set_torque_request, index,
+            sizeof raws->raws_set_torque_request);
+        status = mwd_motor_v2_36_2025_03_set_torque_request_check(&field, &raws->raws_set_torque_request);
+        break;
+    case 6u:
+        canwright_flash_read(&raws->raws_set_speed_request, raws_set_speed_request, index,
+            sizeof raws->raws_set_speed_request);
+        status = mwd_motor_v2_36_2025_03_set_speed_request_check(&field, &raws->raws_set_speed_request);
+        break;
+    case 7u:
+        canwright_flash_read(&raws->raws_move_to_angle_request, raws_move_to_angle_request, index,
+            sizeof raws->raws_move_to_angle_request);
+        break;
+    case 8u:
+        canwright_flash_read(&raws->raws_move_to_angle_at_speed_request, raws_move_to_angle_at_speed_request, index,
+            sizeof raws->raws_move_to_angle_at_speed_request);
+        break;
+    case 9u:
+        canwright_flash_read(&raws->raws_turn_to_angle_request, raws_turn_to_angle_request, index,
+            sizeof raws->raws_turn_to_angle_request);
+        status = mwd_motor_v2_36_2025_03_turn_to_angle_request_check(&field, &raws->raws_turn_to_angle_request);
+        break;
+    case 10u:
+        canwright_flash_read(&raws->raws_turn_to_angle_at_speed_request, raws_turn_to_angle_at_speed_request, index,
+            sizeof raws->raws_turn_to_angle_at_speed_request);
+        status = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_check(&field,
+            &raws->raws_turn_to_angle_at_speed_request);
+        break;
+    case 11u:
+        canwright_flash_read(&raws->raws_move_by_angle_request, raws_move_by_angle_request, index,
+            sizeof raws->raws_move_by_angle_request);
+        break;
+    case 12u:
+        canwright_flash_read(&raws->raws_move_by_angle_at_speed_request, raws_move_by_angle_at_speed_request, index,
+            sizeof raws->raws_move_by_angle_at_speed_request);
+        break;
+    case 13u:
+        canwright_flash_read(&raws->raws_pid_gains, raws_pid_gains, index, sizeof raws->raws_pid_gains);
+        status = mwd_motor_v2_36_2025_03_pid_gains_check(&field, &raws->raws_pid_gains);
+        break;
+    case 14u:
+        canwright_flash_read(&raws->raws_control_parameters_max_torque_current,
+            raws_control_parameters_max_torque_current, index,
+            sizeof raws->raws_control_parameters_max_torque_current);
+        status = mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_check(&field,
+            &raws->raws_control_parameters_max_torque_current, parameters);
+        break;
+    case 15u:
+        canwright_flash_read(&raws->raws_control_parameters_max_speed, raws_control_parameters_max_speed, index,
+            sizeof raws->raws_control_parameters_max_speed);
+        status = mwd_motor_v2_36_2025_03_control_parameters_max_speed_check(&field,
+            &raws->raws_control_parameters_max_speed);
+        break;
+    case 16u:
+        canwright_flash_read(&raws->raws_control_parameters_upper_angle, raws_control_parameters_upper_angle, index,
+            sizeof raws->raws_control_parameters_upper_angle);
+        break;
+    case 17u:
+        canwright_flash_read(&raws->raws_control_parameters_lower_angle, raws_control_parameters_lower_angle, index,
+            sizeof raws->raws_control_parameters_lower_angle);
+        break;
+    case 18u:
+        canwright_flash_read(&raws->raws_control_parameters_speed_ramp, raws_control_parameters_speed_ramp, index,
+            sizeof raws->raws_control_parameters_speed_ramp);
+        status = mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_check(&field,
+            &raws->raws_control_parameters_speed_ramp);
+        break;
+    case 19u:
+        canwright_flash_read(&raws->raws_read_encoder_reply, raws_read_encoder_reply, index,
+            sizeof raws->raws_read_encoder_reply);
+        status = mwd_motor_v2_36_2025_03_read_encoder_reply_check(&field, &raws->raws_read_encoder_reply, parameters);
+        break;
+    case 20u:
+        canwright_flash_read(&raws->raws_calibrate_encoder_reply, raws_calibrate_encoder_reply, index,
+            sizeof raws->raws_calibrate_encoder_reply);
+        status = mwd_motor_v2_36_2025_03_calibrate_encoder_reply_check(&field, &raws->raws_calibrate_encoder_reply);
+        break;
+    case 21u:
+        canwright_flash_read(&raws->raws_write_position_as_zero_rom_reply, raws_write_position_as_zero_rom_reply,
+            index, sizeof raws->raws_write_position_as_zero_rom_reply);
+        status = mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_check(&field,
+            &raws->raws_write_position_as_zero_rom_reply, parameters);
+        break;
+    case 22u:
+        canwright_flash_read(&raws->raws_read_multi_turn_angle_reply, raws_read_multi_turn_angle_reply, index,
+            sizeof raws->raws_read_multi_turn_angle_reply);
+        status = mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_check(&field,
+            &raws->raws_read_multi_turn_angle_reply);
+        break;
+    case 23u:
+        canwright_flash_read(&raws->raws_read_single_turn_angle_reply, raws_read_single_turn_angle_reply, index,
+            sizeof raws->raws_read_single_turn_angle_reply);
+        status = mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_check(&field,
+            &raws->raws_read_single_turn_angle_reply, parameters);
+        break;
+    case 24u:
+        canwright_flash_read(&raws->raws_status_1, raws_status_1, index, sizeof raws->raws_status_1);
+        status = mwd_motor_v2_36_2025_03_status_1_check(&field, &raws->raws_status_1);
+        break;
+    case 25u:
+        canwright_flash_read(&raws->raws_read_status_3_reply, raws_read_status_3_reply, index,
+            sizeof raws->raws_read_status_3_reply);
+        break;
+    case 26u:
+        canwright_flash_read(&raws->raws_stored_settings_driver_id, raws_stored_settings_driver_id, index,
+            sizeof raws->raws_stored_settings_driver_id);
+        status = mwd_motor_v2_36_2025_03_stored_settings_driver_id_check(&field,
+            &raws->raws_stored_settings_driver_id);
+        break;
+    case 27u:
+        canwright_flash_read(&raws->raws_stored_settings_bus_type, raws_stored_settings_bus_type, index,
+            sizeof raws->raws_stored_settings_bus_type);
+        status = mwd_motor_v2_36_2025_03_stored_settings_bus_type_check(&field, &raws->raws_stored_settings_bus_type);
+        break;
+    case 28u:
+        canwright_flash_read(&raws->raws_stored_settings_rs485_baud_rate, raws_stored_settings_rs485_baud_rate, index,
+            sizeof raws->raws_stored_settings_rs485_baud_rate);
+        status = mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_check(&field,
+            &raws->raws_stored_settings_rs485_baud_rate);
+        break;
+    case 29u:
+        canwright_flash_read(&raws->raws_stored_settings_can_baud_rate, raws_stored_settings_can_baud_rate, index,
+            sizeof raws->raws_stored_settings_can_baud_rate);
+        status = mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_check(&field,
+            &raws->raws_stored_settings_can_baud_rate);
+        break;
+    case 30u:
+        canwright_flash_read(&raws->raws_stored_settings_max_power, raws_stored_settings_max_power, index,
+            sizeof raws->raws_stored_settings_max_power);
+        status = mwd_motor_v2_36_2025_03_stored_settings_max_power_check(&field,
+            &raws->raws_stored_settings_max_power, parameters);
+        break;
+    case 31u:
+        canwright_flash_read(&raws->raws_stored_settings_max_speed, raws_stored_settings_max_speed, index,
+            sizeof raws->raws_stored_settings_max_speed);
+        status = mwd_motor_v2_36_2025_03_stored_settings_max_speed_check(&field,
+            &raws->raws_stored_settings_max_speed);
+        break;
+    case 32u:
+        canwright_flash_read(&raws->raws_stored_settings_max_angle, raws_stored_settings_max_angle, index,
+            sizeof raws->raws_stored_settings_max_angle);
+        status = mwd_motor_v2_36_2025_03_stored_settings_max_angle_check(&field,
+            &raws->raws_stored_settings_max_angle);
+        break;
+    case 33u:
+        canwright_flash_read(&raws->raws_stored_settings_current_ramp, raws_stored_settings_current_ramp, index,
+            sizeof raws->raws_stored_settings_current_ramp);
+        status = mwd_motor_v2_36_2025_03_stored_settings_current_ramp_check(&field,
+            &raws->raws_stored_settings_current_ramp);
+        break;
+    case 34u:
+        canwright_flash_read(&raws->raws_stored_settings_speed_ramp, raws_stored_settings_speed_ramp, index,
+            sizeof raws->raws_stored_settings_speed_ramp);
+        status = mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_check(&field,
+            &raws->raws_stored_settings_speed_ramp);
+        break;
+    case 35u:
+        canwright_flash_read(&raws->raws_save_stored_settings_reply, raws_save_stored_settings_reply, index,
+            sizeof raws->raws_save_stored_settings_reply);
+        status = mwd_motor_v2_36_2025_03_save_settings_reply_check(&field, &raws->raws_save_stored_settings_reply);
+        break;
+    default:
+        (void)index;
+        break;
+    }
+    return (status == CANWRIGHT_OK) ? 0u : (uint16_t)field;
+}
+
+/** Decodes a frame as one message, and encodes the message with raw integers. */
+CANWRIGHT_NONNULL
+static inline void mwd_motor_v2_36_2025_03_selftest_message(
+    mwd_motor_v2_36_2025_03_selftest_t *result, const canwright_frame_t *frame, uint16_t message, uint32_t node,
+    const mwd_motor_v2_36_2025_03_selftest_raws_t *raws, const mwd_motor_v2_36_2025_03_parameters_t *parameters)
+{
+    result->node = 0u;
+    (void)node;
+    (void)raws;
+    (void)parameters;
+switch (message) {
     case 0u: /* request of motor_off */
         result->decoded = mwd_motor_v2_36_2025_03_motor_off_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_motor_off_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF
-                && request.node == result->node;
-        }
         break;
     case 1u: /* reply of motor_off */
         result->decoded = mwd_motor_v2_36_2025_03_motor_off_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_motor_off_reply_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF
-                && reply.node == result->node;
-        }
         break;
     case 2u: /* request of motor_on */
         result->decoded = mwd_motor_v2_36_2025_03_motor_on_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_motor_on_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON
-                && request.node == result->node;
-        }
         break;
     case 3u: /* reply of motor_on */
         result->decoded = mwd_motor_v2_36_2025_03_motor_on_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_motor_on_reply_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON
-                && reply.node == result->node;
-        }
         break;
     case 4u: /* request of motor_stop */
         result->decoded = mwd_motor_v2_36_2025_03_motor_stop_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_motor_stop_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP
-                && request.node == result->node;
-        }
         break;
     case 5u: /* reply of motor_stop */
         result->decoded = mwd_motor_v2_36_2025_03_motor_stop_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_motor_stop_reply_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP
-                && reply.node == result->node;
-        }
         break;
     case 6u: /* request of brake */
-        canwright_flash_read(&wanted.raws_brake_request, raws_brake_request, raws, sizeof wanted.raws_brake_request);
-        result->decoded = mwd_motor_v2_36_2025_03_brake_request_decode(&found.raws_brake_request, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_brake_request_matches(&found.raws_brake_request,
-                &wanted.raws_brake_request);
-        }
-        if (mwd_motor_v2_36_2025_03_brake_request_check(&field, &wanted.raws_brake_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2025_03_brake_request_decode(&result->raws.raws_brake_request,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_36_2025_03_brake_request_encode(&result->written, node,
-            &wanted.raws_brake_request);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE
-                && request.node == result->node && mwd_motor_v2_36_2025_03_brake_request_matches(&request.as.brake,
-                &wanted.raws_brake_request);
-        }
+            &raws->raws_brake_request);
         break;
     case 7u: /* reply of brake */
-        canwright_flash_read(&wanted.raws_brake_reply, raws_brake_reply, raws, sizeof wanted.raws_brake_reply);
-        result->decoded = mwd_motor_v2_36_2025_03_brake_reply_decode(&found.raws_brake_reply, &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_brake_reply_matches(&found.raws_brake_reply,
-                &wanted.raws_brake_reply);
-        }
-        if (mwd_motor_v2_36_2025_03_brake_reply_check(&field, &wanted.raws_brake_reply) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
-        result->encoded = mwd_motor_v2_36_2025_03_brake_reply_encode(&result->written, node,
-            &wanted.raws_brake_reply);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_brake_reply_matches(&reply.as.brake, &wanted.raws_brake_reply);
-        }
+        result->decoded = mwd_motor_v2_36_2025_03_brake_reply_decode(&result->raws.raws_brake_reply, &result->node,
+            frame);
+        result->encoded = mwd_motor_v2_36_2025_03_brake_reply_encode(&result->written, node, &raws->raws_brake_reply);
         break;
     case 8u: /* request of set_power */
-        canwright_flash_read(&wanted.raws_set_power_request, raws_set_power_request, raws,
-            sizeof wanted.raws_set_power_request);
-        result->decoded = mwd_motor_v2_36_2025_03_set_power_request_decode(&found.raws_set_power_request,
+        result->decoded = mwd_motor_v2_36_2025_03_set_power_request_decode(&result->raws.raws_set_power_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_set_power_request_matches(&found.raws_set_power_request,
-                &wanted.raws_set_power_request);
-        }
-        if (mwd_motor_v2_36_2025_03_set_power_request_check(&field, &wanted.raws_set_power_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_power_request_encode(&result->written, node,
-            &wanted.raws_set_power_request, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_set_power_request_matches(&request.as.set_power,
-                &wanted.raws_set_power_request);
-        }
+            &raws->raws_set_power_request, parameters);
         break;
     case 9u: /* reply of set_power */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2025_03_set_power_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2025_03_set_power_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_36_2025_03_set_power_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.set_power,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 10u: /* request of set_torque */
-        canwright_flash_read(&wanted.raws_set_torque_request, raws_set_torque_request, raws,
-            sizeof wanted.raws_set_torque_request);
-        result->decoded = mwd_motor_v2_36_2025_03_set_torque_request_decode(&found.raws_set_torque_request,
+        result->decoded = mwd_motor_v2_36_2025_03_set_torque_request_decode(&result->raws.raws_set_torque_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_set_torque_request_matches(&found.raws_set_torque_request,
-                &wanted.raws_set_torque_request);
-        }
-        if (mwd_motor_v2_36_2025_03_set_torque_request_check(&field,
-            &wanted.raws_set_torque_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_torque_request_encode(&result->written, node,
-            &wanted.raws_set_torque_request, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_set_torque_request_matches(&request.as.set_torque,
-                &wanted.raws_set_torque_request);
-        }
+            &raws->raws_set_torque_request, parameters);
         break;
     case 11u: /* reply of set_torque */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2025_03_set_torque_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2025_03_set_torque_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_36_2025_03_set_torque_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.set_torque,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 12u: /* request of set_speed */
-        canwright_flash_read(&wanted.raws_set_speed_request, raws_set_speed_request, raws,
-            sizeof wanted.raws_set_speed_request);
-        result->decoded = mwd_motor_v2_36_2025_03_set_speed_request_decode(&found.raws_set_speed_request,
+        result->decoded = mwd_motor_v2_36_2025_03_set_speed_request_decode(&result->raws.raws_set_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_set_speed_request_matches(&found.raws_set_speed_request,
-                &wanted.raws_set_speed_request);
-        }
-        if (mwd_motor_v2_36_2025_03_set_speed_request_check(&field, &wanted.raws_set_speed_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_speed_request_encode(&result->written, node,
-            &wanted.raws_set_speed_request);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_set_speed_request_matches(&request.as.set_speed,
-                &wanted.raws_set_speed_request);
-        }
+            &raws->raws_set_speed_request);
         break;
     case 13u: /* reply of set_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2025_03_set_speed_reply_decode(&found.raws_motion_feedback, &result->node,
-            frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2025_03_set_speed_reply_decode(&result->raws.raws_motion_feedback,
+            &result->node, frame, parameters);
         result->encoded = mwd_motor_v2_36_2025_03_set_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.set_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 14u: /* request of move_to_angle */
-        canwright_flash_read(&wanted.raws_move_to_angle_request, raws_move_to_angle_request, raws,
-            sizeof wanted.raws_move_to_angle_request);
-        result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_request_decode(&found.raws_move_to_angle_request,
+        result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_request_decode(&result->raws.raws_move_to_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_move_to_angle_request_matches(&found.raws_move_to_angle_request,
-                &wanted.raws_move_to_angle_request);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_move_to_angle_request_encode(&result->written, node,
-            &wanted.raws_move_to_angle_request);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_move_to_angle_request_matches(&request.as.move_to_angle,
-                &wanted.raws_move_to_angle_request);
-        }
+            &raws->raws_move_to_angle_request);
         break;
     case 15u: /* reply of move_to_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_move_to_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.move_to_angle,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 16u: /* request of move_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_move_to_angle_at_speed_request, raws_move_to_angle_at_speed_request, raws,
-            sizeof wanted.raws_move_to_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_decode(&found.raws_move_to_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_decode(&result->raws.raws_move_to_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_matches(&found.raws_move_to_angle_at_speed_request,
-                &wanted.raws_move_to_angle_at_speed_request);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_move_to_angle_at_speed_request);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_move_to_angle_at_speed_request_matches(&request.as.move_to_angle_at_speed,
-                &wanted.raws_move_to_angle_at_speed_request);
-        }
+            &raws->raws_move_to_angle_at_speed_request);
         break;
     case 17u: /* reply of move_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_move_to_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.move_to_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 18u: /* request of turn_to_angle */
-        canwright_flash_read(&wanted.raws_turn_to_angle_request, raws_turn_to_angle_request, raws,
-            sizeof wanted.raws_turn_to_angle_request);
-        result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_request_decode(&found.raws_turn_to_angle_request,
+        result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_request_decode(&result->raws.raws_turn_to_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_turn_to_angle_request_matches(&found.raws_turn_to_angle_request,
-                &wanted.raws_turn_to_angle_request);
-        }
-        if (mwd_motor_v2_36_2025_03_turn_to_angle_request_check(&field,
-            &wanted.raws_turn_to_angle_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_turn_to_angle_request_encode(&result->written, node,
-            &wanted.raws_turn_to_angle_request);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_turn_to_angle_request_matches(&request.as.turn_to_angle,
-                &wanted.raws_turn_to_angle_request);
-        }
+            &raws->raws_turn_to_angle_request);
         break;
     case 19u: /* reply of turn_to_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_turn_to_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.turn_to_angle,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 20u: /* request of turn_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_turn_to_angle_at_speed_request, raws_turn_to_angle_at_speed_request, raws,
-            sizeof wanted.raws_turn_to_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_decode(&found.raws_turn_to_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_decode(&result->raws.raws_turn_to_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_matches(&found.raws_turn_to_angle_at_speed_request,
-                &wanted.raws_turn_to_angle_at_speed_request);
-        }
-        if (mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_check(&field,
-            &wanted.raws_turn_to_angle_at_speed_request) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_turn_to_angle_at_speed_request);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_request_matches(&request.as.turn_to_angle_at_speed,
-                &wanted.raws_turn_to_angle_at_speed_request);
-        }
+            &raws->raws_turn_to_angle_at_speed_request);
         break;
     case 21u: /* reply of turn_to_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_turn_to_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.turn_to_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 22u: /* request of move_by_angle */
-        canwright_flash_read(&wanted.raws_move_by_angle_request, raws_move_by_angle_request, raws,
-            sizeof wanted.raws_move_by_angle_request);
-        result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_request_decode(&found.raws_move_by_angle_request,
+        result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_request_decode(&result->raws.raws_move_by_angle_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_move_by_angle_request_matches(&found.raws_move_by_angle_request,
-                &wanted.raws_move_by_angle_request);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_move_by_angle_request_encode(&result->written, node,
-            &wanted.raws_move_by_angle_request);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_move_by_angle_request_matches(&request.as.move_by_angle,
-                &wanted.raws_move_by_angle_request);
-        }
+            &raws->raws_move_by_angle_request);
         break;
     case 23u: /* reply of move_by_angle */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_move_by_angle_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.move_by_angle,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 24u: /* request of move_by_angle_at_speed */
-        canwright_flash_read(&wanted.raws_move_by_angle_at_speed_request, raws_move_by_angle_at_speed_request, raws,
-            sizeof wanted.raws_move_by_angle_at_speed_request);
-        result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_decode(&found.raws_move_by_angle_at_speed_request,
+        result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_decode(&result->raws.raws_move_by_angle_at_speed_request,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_matches(&found.raws_move_by_angle_at_speed_request,
-                &wanted.raws_move_by_angle_at_speed_request);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_encode(&result->written, node,
-            &wanted.raws_move_by_angle_at_speed_request);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_move_by_angle_at_speed_request_matches(&request.as.move_by_angle_at_speed,
-                &wanted.raws_move_by_angle_at_speed_request);
-        }
+            &raws->raws_move_by_angle_at_speed_request);
         break;
     case 25u: /* reply of move_by_angle_at_speed */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_move_by_angle_at_speed_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.move_by_angle_at_speed,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 26u: /* request of read_control_parameter_angle_pid */
         result->decoded = mwd_motor_v2_36_2025_03_read_param_angle_pid_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_param_angle_pid_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID
-                && request.node == result->node;
-        }
         break;
     case 27u: /* reply of read_control_parameter_angle_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_read_param_angle_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_read_param_angle_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_param_angle_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_param_angle_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 28u: /* request of read_control_parameter_speed_pid */
         result->decoded = mwd_motor_v2_36_2025_03_read_param_speed_pid_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_param_speed_pid_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID
-                && request.node == result->node;
-        }
         break;
     case 29u: /* reply of read_control_parameter_speed_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_read_param_speed_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_read_param_speed_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_param_speed_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_param_speed_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 30u: /* request of read_control_parameter_current_pid */
         result->decoded = mwd_motor_v2_36_2025_03_read_param_current_pid_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_param_current_pid_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID
-                && request.node == result->node;
-        }
         break;
     case 31u: /* reply of read_control_parameter_current_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_read_param_current_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_read_param_current_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_param_current_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_param_current_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 32u: /* request of read_control_parameter_max_torque_current */
         result->decoded = mwd_motor_v2_36_2025_03_read_param_max_torque_current_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_param_max_torque_current_request_encode(&result->written,
             node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT
-                && request.node == result->node;
-        }
         break;
     case 33u: /* reply of read_control_parameter_max_torque_current */
-        canwright_flash_read(&wanted.raws_control_parameters_max_torque_current,
-            raws_control_parameters_max_torque_current, raws,
-            sizeof wanted.raws_control_parameters_max_torque_current);
-        result->decoded = mwd_motor_v2_36_2025_03_read_param_max_torque_current_reply_decode(&found.raws_control_parameters_max_torque_current,
+        result->decoded = mwd_motor_v2_36_2025_03_read_param_max_torque_current_reply_decode(&result->raws.raws_control_parameters_max_torque_current,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
-        if (mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_check(&field,
-            &wanted.raws_control_parameters_max_torque_current, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_param_max_torque_current_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_torque_current, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&reply.as.read_param_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
+            &raws->raws_control_parameters_max_torque_current, parameters);
         break;
     case 34u: /* request of read_control_parameter_max_speed */
         result->decoded = mwd_motor_v2_36_2025_03_read_param_max_speed_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_param_max_speed_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED
-                && request.node == result->node;
-        }
         break;
     case 35u: /* reply of read_control_parameter_max_speed */
-        canwright_flash_read(&wanted.raws_control_parameters_max_speed, raws_control_parameters_max_speed, raws,
-            sizeof wanted.raws_control_parameters_max_speed);
-        result->decoded = mwd_motor_v2_36_2025_03_read_param_max_speed_reply_decode(&found.raws_control_parameters_max_speed,
+        result->decoded = mwd_motor_v2_36_2025_03_read_param_max_speed_reply_decode(&result->raws.raws_control_parameters_max_speed,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
-        if (mwd_motor_v2_36_2025_03_control_parameters_max_speed_check(&field,
-            &wanted.raws_control_parameters_max_speed) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_param_max_speed_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_speed);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&reply.as.read_param_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
+            &raws->raws_control_parameters_max_speed);
         break;
     case 36u: /* request of read_control_parameter_upper_angle */
         result->decoded = mwd_motor_v2_36_2025_03_read_param_upper_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_param_upper_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 37u: /* reply of read_control_parameter_upper_angle */
-        canwright_flash_read(&wanted.raws_control_parameters_upper_angle, raws_control_parameters_upper_angle, raws,
-            sizeof wanted.raws_control_parameters_upper_angle);
-        result->decoded = mwd_motor_v2_36_2025_03_read_param_upper_angle_reply_decode(&found.raws_control_parameters_upper_angle,
+        result->decoded = mwd_motor_v2_36_2025_03_read_param_upper_angle_reply_decode(&result->raws.raws_control_parameters_upper_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&found.raws_control_parameters_upper_angle,
-                &wanted.raws_control_parameters_upper_angle);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_param_upper_angle_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_upper_angle);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&reply.as.read_param_upper_angle,
-                &wanted.raws_control_parameters_upper_angle);
-        }
+            &raws->raws_control_parameters_upper_angle);
         break;
     case 38u: /* request of read_control_parameter_lower_angle */
         result->decoded = mwd_motor_v2_36_2025_03_read_param_lower_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_param_lower_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 39u: /* reply of read_control_parameter_lower_angle */
-        canwright_flash_read(&wanted.raws_control_parameters_lower_angle, raws_control_parameters_lower_angle, raws,
-            sizeof wanted.raws_control_parameters_lower_angle);
-        result->decoded = mwd_motor_v2_36_2025_03_read_param_lower_angle_reply_decode(&found.raws_control_parameters_lower_angle,
+        result->decoded = mwd_motor_v2_36_2025_03_read_param_lower_angle_reply_decode(&result->raws.raws_control_parameters_lower_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&found.raws_control_parameters_lower_angle,
-                &wanted.raws_control_parameters_lower_angle);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_param_lower_angle_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_lower_angle);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&reply.as.read_param_lower_angle,
-                &wanted.raws_control_parameters_lower_angle);
-        }
+            &raws->raws_control_parameters_lower_angle);
         break;
     case 40u: /* request of read_control_parameter_speed_ramp */
         result->decoded = mwd_motor_v2_36_2025_03_read_param_speed_ramp_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_param_speed_ramp_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP
-                && request.node == result->node;
-        }
         break;
     case 41u: /* reply of read_control_parameter_speed_ramp */
-        canwright_flash_read(&wanted.raws_control_parameters_speed_ramp, raws_control_parameters_speed_ramp, raws,
-            sizeof wanted.raws_control_parameters_speed_ramp);
-        result->decoded = mwd_motor_v2_36_2025_03_read_param_speed_ramp_reply_decode(&found.raws_control_parameters_speed_ramp,
+        result->decoded = mwd_motor_v2_36_2025_03_read_param_speed_ramp_reply_decode(&result->raws.raws_control_parameters_speed_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
-        if (mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_check(&field,
-            &wanted.raws_control_parameters_speed_ramp) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_param_speed_ramp_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_speed_ramp);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&reply.as.read_param_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
+            &raws->raws_control_parameters_speed_ramp);
         break;
     case 42u: /* request of write_control_parameter_ram_angle_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_angle_pid_request_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_angle_pid_request_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_angle_pid_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.set_param_angle_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 43u: /* reply of write_control_parameter_ram_angle_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_angle_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_angle_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_angle_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.set_param_angle_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 44u: /* request of write_control_parameter_ram_speed_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_pid_request_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_pid_request_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_speed_pid_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.set_param_speed_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 45u: /* reply of write_control_parameter_ram_speed_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_speed_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.set_param_speed_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 46u: /* request of write_control_parameter_ram_current_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_current_pid_request_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_current_pid_request_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_current_pid_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.set_param_current_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 47u: /* reply of write_control_parameter_ram_current_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_current_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_current_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_current_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.set_param_current_pid, &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 48u: /* request of write_control_parameter_ram_max_torque_current */
-        canwright_flash_read(&wanted.raws_control_parameters_max_torque_current,
-            raws_control_parameters_max_torque_current, raws,
-            sizeof wanted.raws_control_parameters_max_torque_current);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_max_torque_current_request_decode(&found.raws_control_parameters_max_torque_current,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_max_torque_current_request_decode(&result->raws.raws_control_parameters_max_torque_current,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
-        if (mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_check(&field,
-            &wanted.raws_control_parameters_max_torque_current, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_max_torque_current_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_torque_current, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&request.as.set_param_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
+            &raws->raws_control_parameters_max_torque_current, parameters);
         break;
     case 49u: /* reply of write_control_parameter_ram_max_torque_current */
-        canwright_flash_read(&wanted.raws_control_parameters_max_torque_current,
-            raws_control_parameters_max_torque_current, raws,
-            sizeof wanted.raws_control_parameters_max_torque_current);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_max_torque_current_reply_decode(&found.raws_control_parameters_max_torque_current,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_max_torque_current_reply_decode(&result->raws.raws_control_parameters_max_torque_current,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&found.raws_control_parameters_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
-        if (mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_check(&field,
-            &wanted.raws_control_parameters_max_torque_current, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_max_torque_current_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_torque_current, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_torque_current_matches(&reply.as.set_param_max_torque_current,
-                &wanted.raws_control_parameters_max_torque_current);
-        }
+            &raws->raws_control_parameters_max_torque_current, parameters);
         break;
     case 50u: /* request of write_control_parameter_ram_max_speed */
-        canwright_flash_read(&wanted.raws_control_parameters_max_speed, raws_control_parameters_max_speed, raws,
-            sizeof wanted.raws_control_parameters_max_speed);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_max_speed_request_decode(&found.raws_control_parameters_max_speed,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_max_speed_request_decode(&result->raws.raws_control_parameters_max_speed,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
-        if (mwd_motor_v2_36_2025_03_control_parameters_max_speed_check(&field,
-            &wanted.raws_control_parameters_max_speed) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_max_speed_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_speed);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&request.as.set_param_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
+            &raws->raws_control_parameters_max_speed);
         break;
     case 51u: /* reply of write_control_parameter_ram_max_speed */
-        canwright_flash_read(&wanted.raws_control_parameters_max_speed, raws_control_parameters_max_speed, raws,
-            sizeof wanted.raws_control_parameters_max_speed);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_max_speed_reply_decode(&found.raws_control_parameters_max_speed,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_max_speed_reply_decode(&result->raws.raws_control_parameters_max_speed,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&found.raws_control_parameters_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
-        if (mwd_motor_v2_36_2025_03_control_parameters_max_speed_check(&field,
-            &wanted.raws_control_parameters_max_speed) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_max_speed_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_max_speed);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_max_speed_matches(&reply.as.set_param_max_speed,
-                &wanted.raws_control_parameters_max_speed);
-        }
+            &raws->raws_control_parameters_max_speed);
         break;
     case 52u: /* request of write_control_parameter_ram_upper_angle */
-        canwright_flash_read(&wanted.raws_control_parameters_upper_angle, raws_control_parameters_upper_angle, raws,
-            sizeof wanted.raws_control_parameters_upper_angle);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_upper_angle_request_decode(&found.raws_control_parameters_upper_angle,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_upper_angle_request_decode(&result->raws.raws_control_parameters_upper_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&found.raws_control_parameters_upper_angle,
-                &wanted.raws_control_parameters_upper_angle);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_upper_angle_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_upper_angle);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&request.as.set_param_upper_angle,
-                &wanted.raws_control_parameters_upper_angle);
-        }
+            &raws->raws_control_parameters_upper_angle);
         break;
     case 53u: /* reply of write_control_parameter_ram_upper_angle */
-        canwright_flash_read(&wanted.raws_control_parameters_upper_angle, raws_control_parameters_upper_angle, raws,
-            sizeof wanted.raws_control_parameters_upper_angle);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_upper_angle_reply_decode(&found.raws_control_parameters_upper_angle,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_upper_angle_reply_decode(&result->raws.raws_control_parameters_upper_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&found.raws_control_parameters_upper_angle,
-                &wanted.raws_control_parameters_upper_angle);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_upper_angle_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_upper_angle);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_upper_angle_matches(&reply.as.set_param_upper_angle,
-                &wanted.raws_control_parameters_upper_angle);
-        }
+            &raws->raws_control_parameters_upper_angle);
         break;
     case 54u: /* request of write_control_parameter_ram_lower_angle */
-        canwright_flash_read(&wanted.raws_control_parameters_lower_angle, raws_control_parameters_lower_angle, raws,
-            sizeof wanted.raws_control_parameters_lower_angle);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_lower_angle_request_decode(&found.raws_control_parameters_lower_angle,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_lower_angle_request_decode(&result->raws.raws_control_parameters_lower_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&found.raws_control_parameters_lower_angle,
-                &wanted.raws_control_parameters_lower_angle);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_lower_angle_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_lower_angle);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&request.as.set_param_lower_angle,
-                &wanted.raws_control_parameters_lower_angle);
-        }
+            &raws->raws_control_parameters_lower_angle);
         break;
     case 55u: /* reply of write_control_parameter_ram_lower_angle */
-        canwright_flash_read(&wanted.raws_control_parameters_lower_angle, raws_control_parameters_lower_angle, raws,
-            sizeof wanted.raws_control_parameters_lower_angle);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_lower_angle_reply_decode(&found.raws_control_parameters_lower_angle,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_lower_angle_reply_decode(&result->raws.raws_control_parameters_lower_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&found.raws_control_parameters_lower_angle,
-                &wanted.raws_control_parameters_lower_angle);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_lower_angle_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_lower_angle);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_lower_angle_matches(&reply.as.set_param_lower_angle,
-                &wanted.raws_control_parameters_lower_angle);
-        }
+            &raws->raws_control_parameters_lower_angle);
         break;
     case 56u: /* request of write_control_parameter_ram_speed_ramp */
-        canwright_flash_read(&wanted.raws_control_parameters_speed_ramp, raws_control_parameters_speed_ramp, raws,
-            sizeof wanted.raws_control_parameters_speed_ramp);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_ramp_request_decode(&found.raws_control_parameters_speed_ramp,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_ramp_request_decode(&result->raws.raws_control_parameters_speed_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
-        if (mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_check(&field,
-            &wanted.raws_control_parameters_speed_ramp) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_speed_ramp_request_encode(&result->written, node,
-            &wanted.raws_control_parameters_speed_ramp);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&request.as.set_param_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
+            &raws->raws_control_parameters_speed_ramp);
         break;
     case 57u: /* reply of write_control_parameter_ram_speed_ramp */
-        canwright_flash_read(&wanted.raws_control_parameters_speed_ramp, raws_control_parameters_speed_ramp, raws,
-            sizeof wanted.raws_control_parameters_speed_ramp);
-        result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_ramp_reply_decode(&found.raws_control_parameters_speed_ramp,
+        result->decoded = mwd_motor_v2_36_2025_03_set_param_speed_ramp_reply_decode(&result->raws.raws_control_parameters_speed_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&found.raws_control_parameters_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
-        if (mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_check(&field,
-            &wanted.raws_control_parameters_speed_ramp) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_set_param_speed_ramp_reply_encode(&result->written, node,
-            &wanted.raws_control_parameters_speed_ramp);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_control_parameters_speed_ramp_matches(&reply.as.set_param_speed_ramp,
-                &wanted.raws_control_parameters_speed_ramp);
-        }
+            &raws->raws_control_parameters_speed_ramp);
         break;
     case 58u: /* request of read_encoder */
         result->decoded = mwd_motor_v2_36_2025_03_read_encoder_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_encoder_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER
-                && request.node == result->node;
-        }
         break;
     case 59u: /* reply of read_encoder */
-        canwright_flash_read(&wanted.raws_read_encoder_reply, raws_read_encoder_reply, raws,
-            sizeof wanted.raws_read_encoder_reply);
-        result->decoded = mwd_motor_v2_36_2025_03_read_encoder_reply_decode(&found.raws_read_encoder_reply,
+        result->decoded = mwd_motor_v2_36_2025_03_read_encoder_reply_decode(&result->raws.raws_read_encoder_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_read_encoder_reply_matches(&found.raws_read_encoder_reply,
-                &wanted.raws_read_encoder_reply);
-        }
-        if (mwd_motor_v2_36_2025_03_read_encoder_reply_check(&field, &wanted.raws_read_encoder_reply,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_encoder_reply_encode(&result->written, node,
-            &wanted.raws_read_encoder_reply, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_read_encoder_reply_matches(&reply.as.read_encoder,
-                &wanted.raws_read_encoder_reply);
-        }
+            &raws->raws_read_encoder_reply, parameters);
         break;
     case 60u: /* request of calibrate_encoder */
         result->decoded = mwd_motor_v2_36_2025_03_calibrate_encoder_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_calibrate_encoder_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER
-                && request.node == result->node;
-        }
         break;
     case 61u: /* reply of calibrate_encoder */
-        canwright_flash_read(&wanted.raws_calibrate_encoder_reply, raws_calibrate_encoder_reply, raws,
-            sizeof wanted.raws_calibrate_encoder_reply);
-        result->decoded = mwd_motor_v2_36_2025_03_calibrate_encoder_reply_decode(&found.raws_calibrate_encoder_reply,
+        result->decoded = mwd_motor_v2_36_2025_03_calibrate_encoder_reply_decode(&result->raws.raws_calibrate_encoder_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_calibrate_encoder_reply_matches(&found.raws_calibrate_encoder_reply,
-                &wanted.raws_calibrate_encoder_reply);
-        }
-        if (mwd_motor_v2_36_2025_03_calibrate_encoder_reply_check(&field,
-            &wanted.raws_calibrate_encoder_reply) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_calibrate_encoder_reply_encode(&result->written, node,
-            &wanted.raws_calibrate_encoder_reply);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_calibrate_encoder_reply_matches(&reply.as.calibrate_encoder,
-                &wanted.raws_calibrate_encoder_reply);
-        }
+            &raws->raws_calibrate_encoder_reply);
         break;
     case 62u: /* request of write_position_as_zero_rom */
         result->decoded = mwd_motor_v2_36_2025_03_write_position_as_zero_rom_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_write_position_as_zero_rom_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM
-                && request.node == result->node;
-        }
         break;
     case 63u: /* reply of write_position_as_zero_rom */
-        canwright_flash_read(&wanted.raws_write_position_as_zero_rom_reply, raws_write_position_as_zero_rom_reply,
-            raws, sizeof wanted.raws_write_position_as_zero_rom_reply);
-        result->decoded = mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_decode(&found.raws_write_position_as_zero_rom_reply,
+        result->decoded = mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_decode(&result->raws.raws_write_position_as_zero_rom_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_matches(&found.raws_write_position_as_zero_rom_reply,
-                &wanted.raws_write_position_as_zero_rom_reply);
-        }
-        if (mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_check(&field,
-            &wanted.raws_write_position_as_zero_rom_reply, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_encode(&result->written, node,
-            &wanted.raws_write_position_as_zero_rom_reply, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_write_position_as_zero_rom_reply_matches(&reply.as.write_position_as_zero_rom,
-                &wanted.raws_write_position_as_zero_rom_reply);
-        }
+            &raws->raws_write_position_as_zero_rom_reply, parameters);
         break;
     case 64u: /* request of read_multi_turn_angle */
         result->decoded = mwd_motor_v2_36_2025_03_read_multi_turn_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_multi_turn_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 65u: /* reply of read_multi_turn_angle */
-        canwright_flash_read(&wanted.raws_read_multi_turn_angle_reply, raws_read_multi_turn_angle_reply, raws,
-            sizeof wanted.raws_read_multi_turn_angle_reply);
-        result->decoded = mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_decode(&found.raws_read_multi_turn_angle_reply,
+        result->decoded = mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_decode(&result->raws.raws_read_multi_turn_angle_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_matches(&found.raws_read_multi_turn_angle_reply,
-                &wanted.raws_read_multi_turn_angle_reply);
-        }
-        if (mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_check(&field,
-            &wanted.raws_read_multi_turn_angle_reply) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_encode(&result->written, node,
-            &wanted.raws_read_multi_turn_angle_reply);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_read_multi_turn_angle_reply_matches(&reply.as.read_multi_turn_angle,
-                &wanted.raws_read_multi_turn_angle_reply);
-        }
+            &raws->raws_read_multi_turn_angle_reply);
         break;
     case 66u: /* request of read_single_turn_angle */
         result->decoded = mwd_motor_v2_36_2025_03_read_single_turn_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_single_turn_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 67u: /* reply of read_single_turn_angle */
-        canwright_flash_read(&wanted.raws_read_single_turn_angle_reply, raws_read_single_turn_angle_reply, raws,
-            sizeof wanted.raws_read_single_turn_angle_reply);
-        result->decoded = mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_decode(&found.raws_read_single_turn_angle_reply,
+        result->decoded = mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_decode(&result->raws.raws_read_single_turn_angle_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_matches(&found.raws_read_single_turn_angle_reply,
-                &wanted.raws_read_single_turn_angle_reply);
-        }
-        if (mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_check(&field,
-            &wanted.raws_read_single_turn_angle_reply, parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_encode(&result->written, node,
-            &wanted.raws_read_single_turn_angle_reply, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_read_single_turn_angle_reply_matches(&reply.as.read_single_turn_angle,
-                &wanted.raws_read_single_turn_angle_reply);
-        }
+            &raws->raws_read_single_turn_angle_reply, parameters);
         break;
     case 68u: /* request of set_zero_ram */
         result->decoded = mwd_motor_v2_36_2025_03_set_zero_ram_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_set_zero_ram_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM
-                && request.node == result->node;
-        }
         break;
     case 69u: /* reply of set_zero_ram */
         result->decoded = mwd_motor_v2_36_2025_03_set_zero_ram_reply_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_set_zero_ram_reply_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM
-                && reply.node == result->node;
-        }
         break;
     case 70u: /* request of read_status_1 */
         result->decoded = mwd_motor_v2_36_2025_03_read_status_1_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_status_1_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1
-                && request.node == result->node;
-        }
         break;
     case 71u: /* reply of read_status_1 */
-        canwright_flash_read(&wanted.raws_status_1, raws_status_1, raws, sizeof wanted.raws_status_1);
-        result->decoded = mwd_motor_v2_36_2025_03_read_status_1_reply_decode(&found.raws_status_1, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
-        }
-        if (mwd_motor_v2_36_2025_03_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2025_03_read_status_1_reply_decode(&result->raws.raws_status_1,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_36_2025_03_read_status_1_reply_encode(&result->written, node,
-            &wanted.raws_status_1);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_status_1_matches(&reply.as.read_status_1,
-                &wanted.raws_status_1);
-        }
+            &raws->raws_status_1);
         break;
     case 72u: /* request of clear_errors */
         result->decoded = mwd_motor_v2_36_2025_03_clear_errors_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_clear_errors_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS
-                && request.node == result->node;
-        }
         break;
     case 73u: /* reply of clear_errors */
-        canwright_flash_read(&wanted.raws_status_1, raws_status_1, raws, sizeof wanted.raws_status_1);
-        result->decoded = mwd_motor_v2_36_2025_03_clear_errors_reply_decode(&found.raws_status_1, &result->node,
-            frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_status_1_matches(&found.raws_status_1, &wanted.raws_status_1);
-        }
-        if (mwd_motor_v2_36_2025_03_status_1_check(&field, &wanted.raws_status_1) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
+        result->decoded = mwd_motor_v2_36_2025_03_clear_errors_reply_decode(&result->raws.raws_status_1,
+            &result->node, frame);
         result->encoded = mwd_motor_v2_36_2025_03_clear_errors_reply_encode(&result->written, node,
-            &wanted.raws_status_1);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS
-                && reply.node == result->node && mwd_motor_v2_36_2025_03_status_1_matches(&reply.as.clear_errors,
-                &wanted.raws_status_1);
-        }
+            &raws->raws_status_1);
         break;
     case 74u: /* request of read_status_2 */
         result->decoded = mwd_motor_v2_36_2025_03_read_status_2_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_status_2_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2
-                && request.node == result->node;
-        }
         break;
     case 75u: /* reply of read_status_2 */
-        canwright_flash_read(&wanted.raws_motion_feedback, raws_motion_feedback, raws,
-            sizeof wanted.raws_motion_feedback);
-        result->decoded = mwd_motor_v2_36_2025_03_read_status_2_reply_decode(&found.raws_motion_feedback,
+        result->decoded = mwd_motor_v2_36_2025_03_read_status_2_reply_decode(&result->raws.raws_motion_feedback,
             &result->node, frame, parameters);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_motion_feedback_matches(&found.raws_motion_feedback,
-                &wanted.raws_motion_feedback);
-        }
-        if (mwd_motor_v2_36_2025_03_motion_feedback_check(&field, &wanted.raws_motion_feedback,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_status_2_reply_encode(&result->written, node,
-            &wanted.raws_motion_feedback, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_motion_feedback_matches(&reply.as.read_status_2,
-                &wanted.raws_motion_feedback);
-        }
+            &raws->raws_motion_feedback, parameters);
         break;
     case 76u: /* request of read_status_3 */
         result->decoded = mwd_motor_v2_36_2025_03_read_status_3_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_status_3_request_encode(&result->written, node, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3
-                && request.node == result->node;
-        }
         break;
     case 77u: /* reply of read_status_3 */
-        canwright_flash_read(&wanted.raws_read_status_3_reply, raws_read_status_3_reply, raws,
-            sizeof wanted.raws_read_status_3_reply);
-        result->decoded = mwd_motor_v2_36_2025_03_read_status_3_reply_decode(&found.raws_read_status_3_reply,
+        result->decoded = mwd_motor_v2_36_2025_03_read_status_3_reply_decode(&result->raws.raws_read_status_3_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_read_status_3_reply_matches(&found.raws_read_status_3_reply,
-                &wanted.raws_read_status_3_reply);
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_status_3_reply_encode(&result->written, node,
-            &wanted.raws_read_status_3_reply);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_read_status_3_reply_matches(&reply.as.read_status_3,
-                &wanted.raws_read_status_3_reply);
-        }
+            &raws->raws_read_status_3_reply);
         break;
     case 78u: /* request of read_stored_setting_driver_id */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_driver_id_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_driver_id_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID
-                && request.node == result->node;
-        }
         break;
     case 79u: /* reply of read_stored_setting_driver_id */
-        canwright_flash_read(&wanted.raws_stored_settings_driver_id, raws_stored_settings_driver_id, raws,
-            sizeof wanted.raws_stored_settings_driver_id);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_driver_id_reply_decode(&found.raws_stored_settings_driver_id,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_driver_id_reply_decode(&result->raws.raws_stored_settings_driver_id,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&found.raws_stored_settings_driver_id,
-                &wanted.raws_stored_settings_driver_id);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_driver_id_check(&field,
-            &wanted.raws_stored_settings_driver_id) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_driver_id_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_driver_id);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&reply.as.read_setting_driver_id,
-                &wanted.raws_stored_settings_driver_id);
-        }
+            &raws->raws_stored_settings_driver_id);
         break;
     case 80u: /* request of read_stored_setting_bus_type */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_bus_type_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_bus_type_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE
-                && request.node == result->node;
-        }
         break;
     case 81u: /* reply of read_stored_setting_bus_type */
-        canwright_flash_read(&wanted.raws_stored_settings_bus_type, raws_stored_settings_bus_type, raws,
-            sizeof wanted.raws_stored_settings_bus_type);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_bus_type_reply_decode(&found.raws_stored_settings_bus_type,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_bus_type_reply_decode(&result->raws.raws_stored_settings_bus_type,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&found.raws_stored_settings_bus_type,
-                &wanted.raws_stored_settings_bus_type);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_bus_type_check(&field,
-            &wanted.raws_stored_settings_bus_type) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_bus_type_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_bus_type);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&reply.as.read_setting_bus_type,
-                &wanted.raws_stored_settings_bus_type);
-        }
+            &raws->raws_stored_settings_bus_type);
         break;
     case 82u: /* request of read_stored_setting_rs485_baud_rate */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_rs485_baud_rate_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_rs485_baud_rate_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE
-                && request.node == result->node;
-        }
         break;
     case 83u: /* reply of read_stored_setting_rs485_baud_rate */
-        canwright_flash_read(&wanted.raws_stored_settings_rs485_baud_rate, raws_stored_settings_rs485_baud_rate, raws,
-            sizeof wanted.raws_stored_settings_rs485_baud_rate);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_rs485_baud_rate_reply_decode(&found.raws_stored_settings_rs485_baud_rate,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_rs485_baud_rate_reply_decode(&result->raws.raws_stored_settings_rs485_baud_rate,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&found.raws_stored_settings_rs485_baud_rate,
-                &wanted.raws_stored_settings_rs485_baud_rate);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_check(&field,
-            &wanted.raws_stored_settings_rs485_baud_rate) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_rs485_baud_rate_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_rs485_baud_rate);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&reply.as.read_setting_rs485_baud_rate,
-                &wanted.raws_stored_settings_rs485_baud_rate);
-        }
+            &raws->raws_stored_settings_rs485_baud_rate);
         break;
     case 84u: /* request of read_stored_setting_can_baud_rate */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_can_baud_rate_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_can_baud_rate_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE
-                && request.node == result->node;
-        }
         break;
     case 85u: /* reply of read_stored_setting_can_baud_rate */
-        canwright_flash_read(&wanted.raws_stored_settings_can_baud_rate, raws_stored_settings_can_baud_rate, raws,
-            sizeof wanted.raws_stored_settings_can_baud_rate);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_can_baud_rate_reply_decode(&found.raws_stored_settings_can_baud_rate,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_can_baud_rate_reply_decode(&result->raws.raws_stored_settings_can_baud_rate,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&found.raws_stored_settings_can_baud_rate,
-                &wanted.raws_stored_settings_can_baud_rate);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_check(&field,
-            &wanted.raws_stored_settings_can_baud_rate) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_can_baud_rate_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_can_baud_rate);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&reply.as.read_setting_can_baud_rate,
-                &wanted.raws_stored_settings_can_baud_rate);
-        }
+            &raws->raws_stored_settings_can_baud_rate);
         break;
     case 86u: /* request of read_stored_setting_max_power */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_power_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_max_power_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER
-                && request.node == result->node;
-        }
         break;
     case 87u: /* reply of read_stored_setting_max_power */
-        canwright_flash_read(&wanted.raws_stored_settings_max_power, raws_stored_settings_max_power, raws,
-            sizeof wanted.raws_stored_settings_max_power);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_power_reply_decode(&found.raws_stored_settings_max_power,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_power_reply_decode(&result->raws.raws_stored_settings_max_power,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&found.raws_stored_settings_max_power,
-                &wanted.raws_stored_settings_max_power);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_max_power_check(&field, &wanted.raws_stored_settings_max_power,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_max_power_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_max_power, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&reply.as.read_setting_max_power,
-                &wanted.raws_stored_settings_max_power);
-        }
+            &raws->raws_stored_settings_max_power, parameters);
         break;
     case 88u: /* request of read_stored_setting_max_speed */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_speed_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_max_speed_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED
-                && request.node == result->node;
-        }
         break;
     case 89u: /* reply of read_stored_setting_max_speed */
-        canwright_flash_read(&wanted.raws_stored_settings_max_speed, raws_stored_settings_max_speed, raws,
-            sizeof wanted.raws_stored_settings_max_speed);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_speed_reply_decode(&found.raws_stored_settings_max_speed,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_speed_reply_decode(&result->raws.raws_stored_settings_max_speed,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&found.raws_stored_settings_max_speed,
-                &wanted.raws_stored_settings_max_speed);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_max_speed_check(&field,
-            &wanted.raws_stored_settings_max_speed) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_max_speed_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_max_speed);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&reply.as.read_setting_max_speed,
-                &wanted.raws_stored_settings_max_speed);
-        }
+            &raws->raws_stored_settings_max_speed);
         break;
     case 90u: /* request of read_stored_setting_max_angle */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_angle_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_max_angle_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE
-                && request.node == result->node;
-        }
         break;
     case 91u: /* reply of read_stored_setting_max_angle */
-        canwright_flash_read(&wanted.raws_stored_settings_max_angle, raws_stored_settings_max_angle, raws,
-            sizeof wanted.raws_stored_settings_max_angle);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_angle_reply_decode(&found.raws_stored_settings_max_angle,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_max_angle_reply_decode(&result->raws.raws_stored_settings_max_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&found.raws_stored_settings_max_angle,
-                &wanted.raws_stored_settings_max_angle);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_max_angle_check(&field,
-            &wanted.raws_stored_settings_max_angle) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_max_angle_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_max_angle);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&reply.as.read_setting_max_angle,
-                &wanted.raws_stored_settings_max_angle);
-        }
+            &raws->raws_stored_settings_max_angle);
         break;
     case 92u: /* request of read_stored_setting_current_ramp */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_current_ramp_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_current_ramp_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP
-                && request.node == result->node;
-        }
         break;
     case 93u: /* reply of read_stored_setting_current_ramp */
-        canwright_flash_read(&wanted.raws_stored_settings_current_ramp, raws_stored_settings_current_ramp, raws,
-            sizeof wanted.raws_stored_settings_current_ramp);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_current_ramp_reply_decode(&found.raws_stored_settings_current_ramp,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_current_ramp_reply_decode(&result->raws.raws_stored_settings_current_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&found.raws_stored_settings_current_ramp,
-                &wanted.raws_stored_settings_current_ramp);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_current_ramp_check(&field,
-            &wanted.raws_stored_settings_current_ramp) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_current_ramp_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_current_ramp);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&reply.as.read_setting_current_ramp,
-                &wanted.raws_stored_settings_current_ramp);
-        }
+            &raws->raws_stored_settings_current_ramp);
         break;
     case 94u: /* request of read_stored_setting_speed_ramp */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_speed_ramp_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_speed_ramp_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP
-                && request.node == result->node;
-        }
         break;
     case 95u: /* reply of read_stored_setting_speed_ramp */
-        canwright_flash_read(&wanted.raws_stored_settings_speed_ramp, raws_stored_settings_speed_ramp, raws,
-            sizeof wanted.raws_stored_settings_speed_ramp);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_speed_ramp_reply_decode(&found.raws_stored_settings_speed_ramp,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_speed_ramp_reply_decode(&result->raws.raws_stored_settings_speed_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&found.raws_stored_settings_speed_ramp,
-                &wanted.raws_stored_settings_speed_ramp);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_check(&field,
-            &wanted.raws_stored_settings_speed_ramp) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_speed_ramp_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_speed_ramp);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&reply.as.read_setting_speed_ramp,
-                &wanted.raws_stored_settings_speed_ramp);
-        }
+            &raws->raws_stored_settings_speed_ramp);
         break;
     case 96u: /* request of read_stored_setting_angle_pid */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_angle_pid_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_angle_pid_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_ANGLE_PID
-                && request.node == result->node;
-        }
         break;
     case 97u: /* reply of read_stored_setting_angle_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_angle_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_angle_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_angle_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_ANGLE_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_setting_angle_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 98u: /* request of read_stored_setting_speed_pid */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_speed_pid_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_speed_pid_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_PID
-                && request.node == result->node;
-        }
         break;
     case 99u: /* reply of read_stored_setting_speed_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_speed_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_speed_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_speed_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_setting_speed_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 100u: /* request of read_stored_setting_current_pid */
         result->decoded = mwd_motor_v2_36_2025_03_read_setting_current_pid_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_current_pid_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_PID
-                && request.node == result->node;
-        }
         break;
     case 101u: /* reply of read_stored_setting_current_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_read_setting_current_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_read_setting_current_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_read_setting_current_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.read_setting_current_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 102u: /* request of stage_stored_setting_driver_id */
-        canwright_flash_read(&wanted.raws_stored_settings_driver_id, raws_stored_settings_driver_id, raws,
-            sizeof wanted.raws_stored_settings_driver_id);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_driver_id_request_decode(&found.raws_stored_settings_driver_id,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_driver_id_request_decode(&result->raws.raws_stored_settings_driver_id,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&found.raws_stored_settings_driver_id,
-                &wanted.raws_stored_settings_driver_id);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_driver_id_check(&field,
-            &wanted.raws_stored_settings_driver_id) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_driver_id_request_encode(&result->written, node,
-            &wanted.raws_stored_settings_driver_id);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&request.as.stage_setting_driver_id,
-                &wanted.raws_stored_settings_driver_id);
-        }
+            &raws->raws_stored_settings_driver_id);
         break;
     case 103u: /* reply of stage_stored_setting_driver_id */
-        canwright_flash_read(&wanted.raws_stored_settings_driver_id, raws_stored_settings_driver_id, raws,
-            sizeof wanted.raws_stored_settings_driver_id);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_driver_id_reply_decode(&found.raws_stored_settings_driver_id,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_driver_id_reply_decode(&result->raws.raws_stored_settings_driver_id,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&found.raws_stored_settings_driver_id,
-                &wanted.raws_stored_settings_driver_id);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_driver_id_check(&field,
-            &wanted.raws_stored_settings_driver_id) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_driver_id_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_driver_id);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_driver_id_matches(&reply.as.stage_setting_driver_id,
-                &wanted.raws_stored_settings_driver_id);
-        }
+            &raws->raws_stored_settings_driver_id);
         break;
     case 104u: /* request of stage_stored_setting_bus_type */
-        canwright_flash_read(&wanted.raws_stored_settings_bus_type, raws_stored_settings_bus_type, raws,
-            sizeof wanted.raws_stored_settings_bus_type);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_bus_type_request_decode(&found.raws_stored_settings_bus_type,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_bus_type_request_decode(&result->raws.raws_stored_settings_bus_type,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&found.raws_stored_settings_bus_type,
-                &wanted.raws_stored_settings_bus_type);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_bus_type_check(&field,
-            &wanted.raws_stored_settings_bus_type) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_bus_type_request_encode(&result->written, node,
-            &wanted.raws_stored_settings_bus_type);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&request.as.stage_setting_bus_type,
-                &wanted.raws_stored_settings_bus_type);
-        }
+            &raws->raws_stored_settings_bus_type);
         break;
     case 105u: /* reply of stage_stored_setting_bus_type */
-        canwright_flash_read(&wanted.raws_stored_settings_bus_type, raws_stored_settings_bus_type, raws,
-            sizeof wanted.raws_stored_settings_bus_type);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_bus_type_reply_decode(&found.raws_stored_settings_bus_type,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_bus_type_reply_decode(&result->raws.raws_stored_settings_bus_type,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&found.raws_stored_settings_bus_type,
-                &wanted.raws_stored_settings_bus_type);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_bus_type_check(&field,
-            &wanted.raws_stored_settings_bus_type) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_bus_type_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_bus_type);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_bus_type_matches(&reply.as.stage_setting_bus_type,
-                &wanted.raws_stored_settings_bus_type);
-        }
+            &raws->raws_stored_settings_bus_type);
         break;
     case 106u: /* request of stage_stored_setting_rs485_baud_rate */
-        canwright_flash_read(&wanted.raws_stored_settings_rs485_baud_rate, raws_stored_settings_rs485_baud_rate, raws,
-            sizeof wanted.raws_stored_settings_rs485_baud_rate);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_request_decode(&found.raws_stored_settings_rs485_baud_rate,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_request_decode(&result->raws.raws_stored_settings_rs485_baud_rate,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&found.raws_stored_settings_rs485_baud_rate,
-                &wanted.raws_stored_settings_rs485_baud_rate);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_check(&field,
-            &wanted.raws_stored_settings_rs485_baud_rate) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_request_encode(&result->written, node,
-            &wanted.raws_stored_settings_rs485_baud_rate);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&request.as.stage_setting_rs485_baud_rate,
-                &wanted.raws_stored_settings_rs485_baud_rate);
-        }
+            &raws->raws_stored_settings_rs485_baud_rate);
         break;
     case 107u: /* reply of stage_stored_setting_rs485_baud_rate */
-        canwright_flash_read(&wanted.raws_stored_settings_rs485_baud_rate, raws_stored_settings_rs485_baud_rate, raws,
-            sizeof wanted.raws_stored_settings_rs485_baud_rate);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_reply_decode(&found.raws_stored_settings_rs485_baud_rate,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_reply_decode(&result->raws.raws_stored_settings_rs485_baud_rate,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&found.raws_stored_settings_rs485_baud_rate,
-                &wanted.raws_stored_settings_rs485_baud_rate);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_check(&field,
-            &wanted.raws_stored_settings_rs485_baud_rate) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_rs485_baud_rate_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_rs485_baud_rate);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_rs485_baud_rate_matches(&reply.as.stage_setting_rs485_baud_rate,
-                &wanted.raws_stored_settings_rs485_baud_rate);
-        }
+            &raws->raws_stored_settings_rs485_baud_rate);
         break;
     case 108u: /* request of stage_stored_setting_can_baud_rate */
-        canwright_flash_read(&wanted.raws_stored_settings_can_baud_rate, raws_stored_settings_can_baud_rate, raws,
-            sizeof wanted.raws_stored_settings_can_baud_rate);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_request_decode(&found.raws_stored_settings_can_baud_rate,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_request_decode(&result->raws.raws_stored_settings_can_baud_rate,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&found.raws_stored_settings_can_baud_rate,
-                &wanted.raws_stored_settings_can_baud_rate);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_check(&field,
-            &wanted.raws_stored_settings_can_baud_rate) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_request_encode(&result->written, node,
-            &wanted.raws_stored_settings_can_baud_rate);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&request.as.stage_setting_can_baud_rate,
-                &wanted.raws_stored_settings_can_baud_rate);
-        }
+            &raws->raws_stored_settings_can_baud_rate);
         break;
     case 109u: /* reply of stage_stored_setting_can_baud_rate */
-        canwright_flash_read(&wanted.raws_stored_settings_can_baud_rate, raws_stored_settings_can_baud_rate, raws,
-            sizeof wanted.raws_stored_settings_can_baud_rate);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_reply_decode(&found.raws_stored_settings_can_baud_rate,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_reply_decode(&result->raws.raws_stored_settings_can_baud_rate,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&found.raws_stored_settings_can_baud_rate,
-                &wanted.raws_stored_settings_can_baud_rate);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_check(&field,
-            &wanted.raws_stored_settings_can_baud_rate) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_can_baud_rate_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_can_baud_rate);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_can_baud_rate_matches(&reply.as.stage_setting_can_baud_rate,
-                &wanted.raws_stored_settings_can_baud_rate);
-        }
+            &raws->raws_stored_settings_can_baud_rate);
         break;
     case 110u: /* request of stage_stored_setting_max_power */
-        canwright_flash_read(&wanted.raws_stored_settings_max_power, raws_stored_settings_max_power, raws,
-            sizeof wanted.raws_stored_settings_max_power);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_power_request_decode(&found.raws_stored_settings_max_power,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_power_request_decode(&result->raws.raws_stored_settings_max_power,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&found.raws_stored_settings_max_power,
-                &wanted.raws_stored_settings_max_power);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_max_power_check(&field, &wanted.raws_stored_settings_max_power,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_max_power_request_encode(&result->written, node,
-            &wanted.raws_stored_settings_max_power, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&request.as.stage_setting_max_power,
-                &wanted.raws_stored_settings_max_power);
-        }
+            &raws->raws_stored_settings_max_power, parameters);
         break;
     case 111u: /* reply of stage_stored_setting_max_power */
-        canwright_flash_read(&wanted.raws_stored_settings_max_power, raws_stored_settings_max_power, raws,
-            sizeof wanted.raws_stored_settings_max_power);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_power_reply_decode(&found.raws_stored_settings_max_power,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_power_reply_decode(&result->raws.raws_stored_settings_max_power,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&found.raws_stored_settings_max_power,
-                &wanted.raws_stored_settings_max_power);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_max_power_check(&field, &wanted.raws_stored_settings_max_power,
-            parameters) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_max_power_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_max_power, parameters);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_power_matches(&reply.as.stage_setting_max_power,
-                &wanted.raws_stored_settings_max_power);
-        }
+            &raws->raws_stored_settings_max_power, parameters);
         break;
     case 112u: /* request of stage_stored_setting_max_speed */
-        canwright_flash_read(&wanted.raws_stored_settings_max_speed, raws_stored_settings_max_speed, raws,
-            sizeof wanted.raws_stored_settings_max_speed);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_speed_request_decode(&found.raws_stored_settings_max_speed,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_speed_request_decode(&result->raws.raws_stored_settings_max_speed,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&found.raws_stored_settings_max_speed,
-                &wanted.raws_stored_settings_max_speed);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_max_speed_check(&field,
-            &wanted.raws_stored_settings_max_speed) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_max_speed_request_encode(&result->written, node,
-            &wanted.raws_stored_settings_max_speed);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&request.as.stage_setting_max_speed,
-                &wanted.raws_stored_settings_max_speed);
-        }
+            &raws->raws_stored_settings_max_speed);
         break;
     case 113u: /* reply of stage_stored_setting_max_speed */
-        canwright_flash_read(&wanted.raws_stored_settings_max_speed, raws_stored_settings_max_speed, raws,
-            sizeof wanted.raws_stored_settings_max_speed);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_speed_reply_decode(&found.raws_stored_settings_max_speed,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_speed_reply_decode(&result->raws.raws_stored_settings_max_speed,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&found.raws_stored_settings_max_speed,
-                &wanted.raws_stored_settings_max_speed);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_max_speed_check(&field,
-            &wanted.raws_stored_settings_max_speed) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_max_speed_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_max_speed);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_speed_matches(&reply.as.stage_setting_max_speed,
-                &wanted.raws_stored_settings_max_speed);
-        }
+            &raws->raws_stored_settings_max_speed);
         break;
     case 114u: /* request of stage_stored_setting_max_angle */
-        canwright_flash_read(&wanted.raws_stored_settings_max_angle, raws_stored_settings_max_angle, raws,
-            sizeof wanted.raws_stored_settings_max_angle);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_angle_request_decode(&found.raws_stored_settings_max_angle,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_angle_request_decode(&result->raws.raws_stored_settings_max_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&found.raws_stored_settings_max_angle,
-                &wanted.raws_stored_settings_max_angle);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_max_angle_check(&field,
-            &wanted.raws_stored_settings_max_angle) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_max_angle_request_encode(&result->written, node,
-            &wanted.raws_stored_settings_max_angle);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&request.as.stage_setting_max_angle,
-                &wanted.raws_stored_settings_max_angle);
-        }
+            &raws->raws_stored_settings_max_angle);
         break;
     case 115u: /* reply of stage_stored_setting_max_angle */
-        canwright_flash_read(&wanted.raws_stored_settings_max_angle, raws_stored_settings_max_angle, raws,
-            sizeof wanted.raws_stored_settings_max_angle);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_angle_reply_decode(&found.raws_stored_settings_max_angle,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_max_angle_reply_decode(&result->raws.raws_stored_settings_max_angle,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&found.raws_stored_settings_max_angle,
-                &wanted.raws_stored_settings_max_angle);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_max_angle_check(&field,
-            &wanted.raws_stored_settings_max_angle) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_max_angle_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_max_angle);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_max_angle_matches(&reply.as.stage_setting_max_angle,
-                &wanted.raws_stored_settings_max_angle);
-        }
+            &raws->raws_stored_settings_max_angle);
         break;
     case 116u: /* request of stage_stored_setting_current_ramp */
-        canwright_flash_read(&wanted.raws_stored_settings_current_ramp, raws_stored_settings_current_ramp, raws,
-            sizeof wanted.raws_stored_settings_current_ramp);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_ramp_request_decode(&found.raws_stored_settings_current_ramp,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_ramp_request_decode(&result->raws.raws_stored_settings_current_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&found.raws_stored_settings_current_ramp,
-                &wanted.raws_stored_settings_current_ramp);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_current_ramp_check(&field,
-            &wanted.raws_stored_settings_current_ramp) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_current_ramp_request_encode(&result->written, node,
-            &wanted.raws_stored_settings_current_ramp);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&request.as.stage_setting_current_ramp,
-                &wanted.raws_stored_settings_current_ramp);
-        }
+            &raws->raws_stored_settings_current_ramp);
         break;
     case 117u: /* reply of stage_stored_setting_current_ramp */
-        canwright_flash_read(&wanted.raws_stored_settings_current_ramp, raws_stored_settings_current_ramp, raws,
-            sizeof wanted.raws_stored_settings_current_ramp);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_ramp_reply_decode(&found.raws_stored_settings_current_ramp,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_ramp_reply_decode(&result->raws.raws_stored_settings_current_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&found.raws_stored_settings_current_ramp,
-                &wanted.raws_stored_settings_current_ramp);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_current_ramp_check(&field,
-            &wanted.raws_stored_settings_current_ramp) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_current_ramp_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_current_ramp);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_current_ramp_matches(&reply.as.stage_setting_current_ramp,
-                &wanted.raws_stored_settings_current_ramp);
-        }
+            &raws->raws_stored_settings_current_ramp);
         break;
     case 118u: /* request of stage_stored_setting_speed_ramp */
-        canwright_flash_read(&wanted.raws_stored_settings_speed_ramp, raws_stored_settings_speed_ramp, raws,
-            sizeof wanted.raws_stored_settings_speed_ramp);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_request_decode(&found.raws_stored_settings_speed_ramp,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_request_decode(&result->raws.raws_stored_settings_speed_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&found.raws_stored_settings_speed_ramp,
-                &wanted.raws_stored_settings_speed_ramp);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_check(&field,
-            &wanted.raws_stored_settings_speed_ramp) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_request_encode(&result->written, node,
-            &wanted.raws_stored_settings_speed_ramp);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&request.as.stage_setting_speed_ramp,
-                &wanted.raws_stored_settings_speed_ramp);
-        }
+            &raws->raws_stored_settings_speed_ramp);
         break;
     case 119u: /* reply of stage_stored_setting_speed_ramp */
-        canwright_flash_read(&wanted.raws_stored_settings_speed_ramp, raws_stored_settings_speed_ramp, raws,
-            sizeof wanted.raws_stored_settings_speed_ramp);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_reply_decode(&found.raws_stored_settings_speed_ramp,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_reply_decode(&result->raws.raws_stored_settings_speed_ramp,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&found.raws_stored_settings_speed_ramp,
-                &wanted.raws_stored_settings_speed_ramp);
-        }
-        if (mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_check(&field,
-            &wanted.raws_stored_settings_speed_ramp) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_speed_ramp_reply_encode(&result->written, node,
-            &wanted.raws_stored_settings_speed_ramp);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_stored_settings_speed_ramp_matches(&reply.as.stage_setting_speed_ramp,
-                &wanted.raws_stored_settings_speed_ramp);
-        }
+            &raws->raws_stored_settings_speed_ramp);
         break;
     case 120u: /* request of stage_stored_setting_angle_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_angle_pid_request_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_angle_pid_request_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_angle_pid_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.stage_setting_angle_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 121u: /* reply of stage_stored_setting_angle_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_angle_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_angle_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_angle_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.stage_setting_angle_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 122u: /* request of stage_stored_setting_speed_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_pid_request_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_pid_request_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_speed_pid_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.stage_setting_speed_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 123u: /* reply of stage_stored_setting_speed_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_speed_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_speed_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.stage_setting_speed_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 124u: /* request of stage_stored_setting_current_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_pid_request_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_pid_request_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_current_pid_request_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID
-                && request.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&request.as.stage_setting_current_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 125u: /* reply of stage_stored_setting_current_pid */
-        canwright_flash_read(&wanted.raws_pid_gains, raws_pid_gains, raws, sizeof wanted.raws_pid_gains);
-        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_pid_reply_decode(&found.raws_pid_gains,
+        result->decoded = mwd_motor_v2_36_2025_03_stage_setting_current_pid_reply_decode(&result->raws.raws_pid_gains,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_pid_gains_matches(&found.raws_pid_gains, &wanted.raws_pid_gains);
-        }
-        if (mwd_motor_v2_36_2025_03_pid_gains_check(&field, &wanted.raws_pid_gains) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_stage_setting_current_pid_reply_encode(&result->written, node,
-            &wanted.raws_pid_gains);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_pid_gains_matches(&reply.as.stage_setting_current_pid,
-                &wanted.raws_pid_gains);
-        }
+            &raws->raws_pid_gains);
         break;
     case 126u: /* request of save_stored_settings */
         result->decoded = mwd_motor_v2_36_2025_03_save_settings_request_decode(&result->node, frame);
-        result->same = true;
         result->encoded = mwd_motor_v2_36_2025_03_save_settings_request_encode(&result->written, node);
-        if (mwd_motor_v2_36_2025_03_decode_request(&request, frame) == CANWRIGHT_OK) {
-            result->any_same = request.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS
-                && request.node == result->node;
-        }
         break;
     case 127u: /* reply of save_stored_settings */
-        canwright_flash_read(&wanted.raws_save_stored_settings_reply, raws_save_stored_settings_reply, raws,
-            sizeof wanted.raws_save_stored_settings_reply);
-        result->decoded = mwd_motor_v2_36_2025_03_save_settings_reply_decode(&found.raws_save_stored_settings_reply,
+        result->decoded = mwd_motor_v2_36_2025_03_save_settings_reply_decode(&result->raws.raws_save_stored_settings_reply,
             &result->node, frame);
-        if (result->decoded == CANWRIGHT_OK) {
-            result->same = mwd_motor_v2_36_2025_03_save_settings_reply_matches(&found.raws_save_stored_settings_reply,
-                &wanted.raws_save_stored_settings_reply);
-        }
-        if (mwd_motor_v2_36_2025_03_save_settings_reply_check(&field,
-            &wanted.raws_save_stored_settings_reply) == CANWRIGHT_OK) {
-            field = MWD_MOTOR_V2_36_2025_03_FIELD_NONE;
-        }
         result->encoded = mwd_motor_v2_36_2025_03_save_settings_reply_encode(&result->written, node,
-            &wanted.raws_save_stored_settings_reply);
-        if (mwd_motor_v2_36_2025_03_decode_reply(&reply, frame, parameters) == CANWRIGHT_OK) {
-            result->any_same = reply.command == MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS
-                && reply.node == result->node
-                && mwd_motor_v2_36_2025_03_save_settings_reply_matches(&reply.as.save_settings,
-                &wanted.raws_save_stored_settings_reply);
-        }
+            &raws->raws_save_stored_settings_reply);
         break;
     default:
+        result->decoded = CANWRIGHT_UNKNOWN_CODE;
+        result->encoded = CANWRIGHT_UNKNOWN_CODE;
         break;
     }
-    result->field = (uint16_t)field;
 }
 
 /** Runs the self-test; `result` describes the first case that failed. Returns the number of cases that failed. */
@@ -3101,3540 +1666,2259 @@ static inline uint16_t mwd_motor_v2_36_2025_03_selftest(canwright_selftest_t *re
         {MWD_MOTOR_V2_36_2025_03_SERIES_UNKNOWN, MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_UNKNOWN, {1, 1u}},
         {MWD_MOTOR_V2_36_2025_03_SERIES_UNKNOWN, MWD_MOTOR_V2_36_2025_03_ENCODER_BITS_UNKNOWN, {6, 1u}},
     };
-    static const canwright_golden_t frames[] CANWRIGHT_FLASH = {
-        /* 1: request of motor_off */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 2: request of motor_off */
-        {{0x160u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 3: request of motor_off */
-        {{0x141u, {0x80u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 0u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 4: reply of motor_off */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 1u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 5: reply of motor_off */
-        {{0x194u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 1u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 6: request of motor_on */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 7: request of motor_on */
-        {{0x160u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 8: request of motor_on */
-        {{0x141u, {0x88u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 9: reply of motor_on */
-        {{0x181u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 3u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 10: reply of motor_on */
-        {{0x194u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 3u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 11: request of motor_stop */
-        {{0x141u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 12: request of motor_stop */
-        {{0x160u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 13: request of motor_stop */
-        {{0x141u, {0x81u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 14: reply of motor_stop */
-        {{0x181u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 5u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 15: reply of motor_stop */
-        {{0x194u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 5u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 16: request of motor_on */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 2u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 17: request of motor_stop */
-        {{0x141u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 4u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 18: request of brake */
-        {{0x141u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 19: request of brake */
-        {{0x154u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 6u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 20: request of brake */
-        {{0x160u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 6u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 21: request of brake */
-        {{0x160u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 6u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 22: request of brake */
-        {{0x141u, {0x8Cu, 0x02u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 23: request of brake */
-        {{0x141u, {0x8Cu, 0x11u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 24: request of brake */
-        {{0x141u, {0x8Cu, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 6u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 25: request of brake */
-        {{0x141u, {0x8Cu, 0x01u, 0x22u, 0x33u, 0x44u, 0x55u, 0x66u, 0x77u}}, 1u, 6u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 26: reply of brake */
-        {{0x181u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 7u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 27: reply of brake */
-        {{0x194u, {0x8Cu, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 7u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 28: reply of brake */
-        {{0x1A0u, {0x8Cu, 0x02u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 7u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 29: reply of brake */
-        {{0x1A0u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 7u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 30: reply of brake */
-        {{0x1A0u, {0x8Cu, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 7u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 31: reply of brake */
-        {{0x181u, {0x8Cu, 0x01u, 0x22u, 0x22u, 0x22u, 0x22u, 0x22u, 0x22u}}, 1u, 7u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 32: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xC8u, 0x00u, 0x00u, 0x00u}}, 1u, 8u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 33: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 1u, 8u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 34: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x02u, 0x00u, 0x00u}}, 1u, 8u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 35: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xAEu, 0xFCu, 0x00u, 0x00u}}, 20u, 8u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 36: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 20u, 8u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 37: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 8u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 38: request of set_power */
-        {{0x154u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 8u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 39: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x53u, 0x03u, 0x00u, 0x00u}}, 1u, 8u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 40: request of set_power */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0xADu, 0xFCu, 0x00u, 0x00u}}, 1u, 8u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 41: request of set_power */
-        {{0x141u, {0xA0u, 0x11u, 0x22u, 0x33u, 0x2Cu, 0x01u, 0x44u, 0x55u}}, 1u, 8u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 42: reply of set_power */
-        {{0x181u, {0xA0u, 0x19u, 0xE8u, 0x03u, 0x98u, 0xFEu, 0x34u, 0x12u}}, 1u, 9u, 0u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 43: reply of set_power */
-        {{0x1A0u, {0xA0u, 0x80u, 0x18u, 0xFCu, 0xFFu, 0x7Fu, 0xFFu, 0x7Fu}}, 32u, 9u, 1u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 44: reply of set_power */
-        {{0x181u, {0xA0u, 0x7Fu, 0xFFu, 0xFFu, 0x00u, 0x80u, 0xFFu, 0xFFu}}, 1u, 9u, 2u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 45: reply of set_power */
-        {{0x181u, {0xA0u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x3Fu}}, 1u, 9u, 3u, 3u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 46: reply of set_power */
-        {{0x181u, {0xA0u, 0x01u, 0xE9u, 0x03u, 0x02u, 0x00u, 0x03u, 0x00u}}, 1u, 9u, 4u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 47: reply of set_power */
-        {{0x181u, {0xA0u, 0x01u, 0x17u, 0xFCu, 0x02u, 0x00u, 0x03u, 0x00u}}, 1u, 9u, 5u, 2u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 48: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 49: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 50: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 10u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 51: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x32u, 0x00u, 0x00u, 0x00u}}, 1u, 10u, 2u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 52: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xC4u, 0x09u, 0x00u, 0x00u}}, 1u, 10u, 3u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 53: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 10u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 54: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 10u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 55: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x08u, 0x00u, 0x00u}}, 7u, 10u, 4u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 56: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 10u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 57: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 10u, 5u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 58: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u}}, 7u, 10u, 5u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 59: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 10u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 60: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 10u, 6u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 61: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 7u, 10u, 6u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 62: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 7u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 63: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 7u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 64: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 7u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 65: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 8u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 66: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 8u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 67: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 10u, 8u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 68: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 10u, 9u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 69: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 10u, 9u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 70: request of set_torque */
-        {{0x147u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x23u, 0x01u, 0x00u, 0x00u}}, 7u, 10u, 9u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 71: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x01u, 0x08u, 0x00u, 0x00u}}, 1u, 10u, 10u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 72: request of set_torque */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xF7u, 0x00u, 0x00u}}, 1u, 10u, 11u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 73: request of set_torque */
-        {{0x141u, {0xA1u, 0x01u, 0x02u, 0x03u, 0x39u, 0xFEu, 0x04u, 0x05u}}, 1u, 10u, 12u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 74: reply of set_torque */
-        {{0x181u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 11u, 6u, 7u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 75: reply of set_torque */
-        {{0x1A0u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 11u, 7u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 76: reply of set_torque */
-        {{0x181u, {0xA1u, 0x02u, 0xFFu, 0x7Fu, 0x03u, 0x00u, 0x04u, 0x00u}}, 1u, 11u, 8u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 77: reply of set_torque */
-        {{0x181u, {0xA1u, 0x02u, 0x00u, 0x80u, 0x03u, 0x00u, 0x04u, 0x00u}}, 1u, 11u, 9u, 9u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 78: reply of set_torque */
-        {{0x181u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 11u, 6u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 79: reply of set_torque */
-        {{0x1A0u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 11u, 7u, 11u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 80: reply of set_torque */
-        {{0x181u, {0xA1u, 0x02u, 0xFFu, 0x7Fu, 0x03u, 0x00u, 0x04u, 0x00u}}, 1u, 11u, 8u, 12u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 81: reply of set_torque */
-        {{0x181u, {0xA1u, 0x02u, 0x00u, 0x80u, 0x03u, 0x00u, 0x04u, 0x00u}}, 1u, 11u, 9u, 12u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 82: reply of set_torque */
-        {{0x181u, {0xA1u, 0x32u, 0x00u, 0x08u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 11u, 6u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 83: reply of set_torque */
-        {{0x1A0u, {0xA1u, 0xFFu, 0x00u, 0xF8u, 0x0Cu, 0xFEu, 0x02u, 0x01u}}, 32u, 11u, 7u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 84: reply of set_torque */
-        {{0x181u, {0xA1u, 0x02u, 0xFFu, 0x7Fu, 0x03u, 0x00u, 0x04u, 0x00u}}, 1u, 11u, 8u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 85: reply of set_torque */
-        {{0x181u, {0xA1u, 0x02u, 0x00u, 0x80u, 0x03u, 0x00u, 0x04u, 0x00u}}, 1u, 11u, 9u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 86: reply of set_torque */
-        {{0x181u, {0xA1u, 0x7Fu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu, 0xFFu, 0x7Fu}}, 1u, 11u, 10u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 87: reply of set_torque */
-        {{0x181u, {0xA1u, 0x80u, 0x01u, 0x00u, 0x00u, 0x80u, 0xFFu, 0xFFu}}, 1u, 11u, 11u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 88: reply of set_torque */
-        {{0x181u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 11u, 12u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 89: reply of set_torque */
-        {{0x181u, {0xA1u, 0x01u, 0xB8u, 0x0Bu, 0xFFu, 0xFFu, 0xFFu, 0x3Fu}}, 1u, 11u, 13u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 90: reply of set_torque */
-        {{0x181u, {0xA1u, 0x21u, 0xB3u, 0xFFu, 0x01u, 0x00u, 0x01u, 0x80u}}, 1u, 11u, 14u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 91: reply of set_torque */
-        {{0x181u, {0xA1u, 0x21u, 0x4Du, 0x00u, 0x01u, 0x00u, 0x00u, 0x40u}}, 1u, 11u, 15u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 92: reply of set_torque */
-        {{0x181u, {0xA1u, 0x21u, 0x4Du, 0x00u, 0x01u, 0x00u, 0x00u, 0x80u}}, 1u, 11u, 16u, 15u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 93: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x6Cu, 0x02u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 12u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 94: reply of set_speed */
-        {{0x181u, {0xA2u, 0x32u, 0x6Cu, 0x02u, 0x68u, 0x01u, 0x00u, 0x40u}}, 1u, 13u, 17u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 95: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 12u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 96: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x28u, 0x23u, 0x00u, 0x00u}}, 1u, 12u, 2u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 97: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xD8u, 0xDCu, 0xFFu, 0xFFu}}, 1u, 12u, 3u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 98: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0xB4u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 99: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x08u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 12u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 100: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x08u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 12u, 5u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 101: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 12u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 102: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0xF8u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 12u, 6u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 103: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 12u, 7u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 104: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 8u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 105: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x01u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 9u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 106: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x02u, 0x01u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 12u, 10u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 107: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x64u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 11u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 108: request of set_speed */
-        {{0x154u, {0xA2u, 0x00u, 0x65u, 0x00u, 0x39u, 0x00u, 0x00u, 0x00u}}, 20u, 12u, 12u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 109: request of set_speed */
-        {{0x160u, {0xA2u, 0x00u, 0x00u, 0x08u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 32u, 12u, 13u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 110: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x2Cu, 0x01u, 0x60u, 0x73u, 0xFFu, 0xFFu}}, 1u, 12u, 14u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 111: request of set_speed */
-        {{0x143u, {0xA2u, 0x00u, 0x52u, 0x03u, 0x39u, 0x30u, 0x00u, 0x00u}}, 3u, 12u, 15u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 112: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0x01u, 0x08u, 0x05u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 16u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 113: request of set_speed */
-        {{0x141u, {0xA2u, 0x00u, 0xFFu, 0xF7u, 0x05u, 0x00u, 0x00u, 0x00u}}, 1u, 12u, 17u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 114: request of set_speed */
-        {{0x141u, {0xA2u, 0x77u, 0x23u, 0x01u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 12u, 18u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 115: reply of set_speed */
-        {{0x181u, {0xA2u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 13u, 18u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 116: reply of set_speed */
-        {{0x182u, {0xA2u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 13u, 19u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 117: reply of set_speed */
-        {{0x194u, {0xA2u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 13u, 20u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 118: reply of set_speed */
-        {{0x1A0u, {0xA2u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 13u, 21u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 119: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 14u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 120: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x80u, 0xEEu, 0x36u, 0x00u}}, 1u, 14u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 121: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0xF8u, 0x2Au, 0x00u, 0x00u}}, 1u, 14u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 122: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 1u, 14u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 123: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x0Au, 0x00u, 0x00u, 0x00u}}, 1u, 14u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 124: request of move_to_angle */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 14u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 125: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 31u, 14u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 126: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 31u, 14u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 127: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 31u, 14u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 128: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 31u, 14u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 129: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x0Du, 0x0Cu, 0x0Bu, 0x0Au}}, 31u, 14u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 130: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 31u, 14u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 131: request of move_to_angle */
-        {{0x15Fu, {0xA3u, 0x00u, 0x00u, 0x00u, 0x1Du, 0x00u, 0x00u, 0x00u}}, 31u, 14u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 132: request of move_to_angle */
-        {{0x141u, {0xA3u, 0xFFu, 0xFFu, 0xFFu, 0x10u, 0x27u, 0x00u, 0x00u}}, 1u, 14u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 133: reply of move_to_angle */
-        {{0x181u, {0xA3u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 15u, 18u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 134: reply of move_to_angle */
-        {{0x182u, {0xA3u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 15u, 19u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 135: reply of move_to_angle */
-        {{0x194u, {0xA3u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 15u, 20u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 136: reply of move_to_angle */
-        {{0x1A0u, {0xA3u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 15u, 21u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 137: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xD0u, 0x02u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 16u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 138: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x78u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 16u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+    /* Of each message its command, the number of its layout, and whether it is a reply. */
+    static const canwright_golden_message_t messages[] CANWRIGHT_FLASH = {
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_OFF, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_ON, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOTOR_STOP, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE, 1, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_BRAKE, 2, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER, 3, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_POWER, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE, 5, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_TORQUE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED, 6, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE, 7, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED, 8, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_TO_ANGLE_AT_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE, 9, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED, 10, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_TURN_TO_ANGLE_AT_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE, 11, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED, 12, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_MOVE_BY_ANGLE_AT_SPEED, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_ANGLE_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_CURRENT_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_TORQUE_CURRENT, 14, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_MAX_SPEED, 15, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_UPPER_ANGLE, 16, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_LOWER_ANGLE, 17, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_PARAM_SPEED_RAMP, 18, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_ANGLE_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_CURRENT_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT, 14, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_TORQUE_CURRENT, 14, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED, 15, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_MAX_SPEED, 15, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE, 16, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_UPPER_ANGLE, 16, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE, 17, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_LOWER_ANGLE, 17, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP, 18, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_PARAM_SPEED_RAMP, 18, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_ENCODER, 19, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_CALIBRATE_ENCODER, 20, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_WRITE_POSITION_AS_ZERO_ROM, 21, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_MULTI_TURN_ANGLE, 22, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SINGLE_TURN_ANGLE, 23, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SET_ZERO_RAM, 0, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_1, 24, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_CLEAR_ERRORS, 24, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_2, 4, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_STATUS_3, 25, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_DRIVER_ID, 26, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_BUS_TYPE, 27, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_RS485_BAUD_RATE, 28, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CAN_BAUD_RATE, 29, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_POWER, 30, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_SPEED, 31, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_MAX_ANGLE, 32, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_RAMP, 33, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_RAMP, 34, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_ANGLE_PID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_ANGLE_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_PID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_SPEED_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_PID, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_READ_SETTING_CURRENT_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID, 26, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_DRIVER_ID, 26, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE, 27, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_BUS_TYPE, 27, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE, 28, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_RS485_BAUD_RATE, 28, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE, 29, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CAN_BAUD_RATE, 29, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER, 30, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_POWER, 30, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED, 31, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_SPEED, 31, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE, 32, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_MAX_ANGLE, 32, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP, 33, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_RAMP, 33, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP, 34, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_RAMP, 34, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_ANGLE_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_SPEED_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID, 13, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_STAGE_SETTING_CURRENT_PID, 13, true},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS, 0, false},
+        {(uint32_t)MWD_MOTOR_V2_36_2025_03_COMMAND_SAVE_SETTINGS, 35, true},
+    };
+    /* Id, data, node, message, raw integers, field, parameters, length, kind, status. */
+    static const canwright_case_t cases[] CANWRIGHT_FLASH = {
+        {{0x141u, {0x80000000u}}, 1u, 0, 0, 0, 0, 8, 3, 0}, /* 1: request of motor_off */
+        {{0x160u, {0x80000000u}}, 32u, 0, 0, 0, 0, 8, 3, 0}, /* 2: request of motor_off */
+        {{0x141u, {0x80010203u, 0x04050607u}}, 1u, 0, 0, 0, 0, 8, 1, 0}, /* 3: request of motor_off */
+        {{0x181u, {0x80000000u}}, 1u, 1, 0, 0, 0, 8, 3, 0}, /* 4: reply of motor_off */
+        {{0x194u, {0x80000000u}}, 20u, 1, 0, 0, 0, 8, 3, 0}, /* 5: reply of motor_off */
+        {{0x141u, {0x88000000u}}, 1u, 2, 0, 0, 0, 8, 3, 0}, /* 6: request of motor_on */
+        {{0x160u, {0x88000000u}}, 32u, 2, 0, 0, 0, 8, 3, 0}, /* 7: request of motor_on */
+        {{0x141u, {0x88010203u, 0x04050607u}}, 1u, 2, 0, 0, 0, 8, 1, 0}, /* 8: request of motor_on */
+        {{0x181u, {0x88000000u}}, 1u, 3, 0, 0, 0, 8, 3, 0}, /* 9: reply of motor_on */
+        {{0x194u, {0x88000000u}}, 20u, 3, 0, 0, 0, 8, 3, 0}, /* 10: reply of motor_on */
+        {{0x141u, {0x81000000u}}, 1u, 4, 0, 0, 0, 8, 3, 0}, /* 11: request of motor_stop */
+        {{0x160u, {0x81000000u}}, 32u, 4, 0, 0, 0, 8, 3, 0}, /* 12: request of motor_stop */
+        {{0x141u, {0x81010203u, 0x04050607u}}, 1u, 4, 0, 0, 0, 8, 1, 0}, /* 13: request of motor_stop */
+        {{0x181u, {0x81000000u}}, 1u, 5, 0, 0, 0, 8, 3, 0}, /* 14: reply of motor_stop */
+        {{0x194u, {0x81000000u}}, 20u, 5, 0, 0, 0, 8, 3, 0}, /* 15: reply of motor_stop */
+        {{0x141u, {0x88000000u}}, 1u, 2, 0, 0, 0, 8, 3, 0}, /* 16: request of motor_on */
+        {{0x141u, {0x81000000u}}, 1u, 4, 0, 0, 0, 8, 3, 0}, /* 17: request of motor_stop */
+        {{0x141u, {0x8C100000u}}, 1u, 6, 0, 0, 0, 8, 3, 0}, /* 18: request of brake */
+        {{0x154u, {0x8C000000u}}, 20u, 6, 1, 0, 0, 8, 3, 0}, /* 19: request of brake */
+        {{0x160u, {0x8C010000u}}, 32u, 6, 2, 0, 0, 8, 3, 0}, /* 20: request of brake */
+        {{0x160u, {0x8C100000u}}, 32u, 6, 0, 0, 0, 8, 3, 0}, /* 21: request of brake */
+        {{0x141u, {0x8C020000u}}, 1u, 6, 3, 0, 0, 8, 1, 0}, /* 22: request of brake */
+        {{0x141u, {0x8C110000u}}, 1u, 6, 4, 0, 0, 8, 1, 0}, /* 23: request of brake */
+        {{0x141u, {0x8CFF0000u}}, 1u, 6, 5, 0, 0, 8, 1, 0}, /* 24: request of brake */
+        {{0x141u, {0x8C012233u, 0x44556677u}}, 1u, 6, 2, 0, 0, 8, 1, 0}, /* 25: request of brake */
+        {{0x181u, {0x8C000000u}}, 1u, 7, 0, 0, 0, 8, 3, 0}, /* 26: reply of brake */
+        {{0x194u, {0x8C010000u}}, 20u, 7, 1, 0, 0, 8, 3, 0}, /* 27: reply of brake */
+        {{0x1A0u, {0x8C020000u}}, 32u, 7, 2, 0, 0, 8, 1, 0}, /* 28: reply of brake */
+        {{0x1A0u, {0x8C100000u}}, 32u, 7, 3, 0, 0, 8, 1, 0}, /* 29: reply of brake */
+        {{0x1A0u, {0x8CFF0000u}}, 32u, 7, 4, 0, 0, 8, 1, 0}, /* 30: reply of brake */
+        {{0x181u, {0x8C012222u, 0x22222222u}}, 1u, 7, 1, 0, 0, 8, 1, 0}, /* 31: reply of brake */
+        {{0x141u, {0xA0000000u, 0xC8000000u}}, 1u, 8, 0, 0, 0, 8, 3, 0}, /* 32: request of set_power */
+        {{0x141u, {0xA0000000u, 0x52030000u}}, 1u, 8, 1, 0, 0, 8, 3, 0}, /* 33: request of set_power */
+        {{0x141u, {0xA0000000u, 0x00020000u}}, 1u, 8, 2, 0, 0, 8, 3, 0}, /* 34: request of set_power */
+        {{0x154u, {0xA0000000u, 0xAEFC0000u}}, 20u, 8, 3, 0, 0, 8, 3, 0}, /* 35: request of set_power */
+        {{0x154u, {0xA0000000u, 0xFFFF0000u}}, 20u, 8, 4, 0, 0, 8, 3, 0}, /* 36: request of set_power */
+        {{0x154u, {0xA0000000u}}, 20u, 8, 5, 0, 0, 8, 3, 0}, /* 37: request of set_power */
+        {{0x154u, {0xA0000000u, 0x01000000u}}, 20u, 8, 6, 0, 0, 8, 3, 0}, /* 38: request of set_power */
+        {{0x141u, {0xA0000000u, 0x53030000u}}, 1u, 8, 7, 0, 0, 8, 1, 0}, /* 39: request of set_power */
+        {{0x141u, {0xA0000000u, 0xADFC0000u}}, 1u, 8, 8, 0, 0, 8, 1, 0}, /* 40: request of set_power */
+        {{0x141u, {0xA0112233u, 0x2C014455u}}, 1u, 8, 9, 0, 0, 8, 1, 0}, /* 41: request of set_power */
+        {{0x181u, {0xA019E803u, 0x98FE3412u}}, 1u, 9, 0, 0, 1, 8, 3, 0}, /* 42: reply of set_power */
+        {{0x1A0u, {0xA08018FCu, 0xFF7FFF7Fu}}, 32u, 9, 1, 0, 1, 8, 3, 0}, /* 43: reply of set_power */
+        {{0x181u, {0xA07FFFFFu, 0x0080FFFFu}}, 1u, 9, 2, 0, 2, 8, 3, 0}, /* 44: reply of set_power */
+        {{0x181u, {0xA0000100u, 0xFFFFFF3Fu}}, 1u, 9, 3, 0, 3, 8, 3, 0}, /* 45: reply of set_power */
+        {{0x181u, {0xA001E903u, 0x02000300u}}, 1u, 9, 4, 0, 2, 8, 1, 0}, /* 46: reply of set_power */
+        {{0x181u, {0xA00117FCu, 0x02000300u}}, 1u, 9, 5, 0, 2, 8, 1, 0}, /* 47: reply of set_power */
+        {{0x141u, {0xA1000000u, 0x64000000u}}, 1u, 10, 0, 0, 4, 8, 3, 0}, /* 48: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x64000000u}}, 1u, 10, 0, 0, 5, 8, 3, 0}, /* 49: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xD0070000u}}, 1u, 10, 1, 0, 4, 8, 3, 0}, /* 50: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x32000000u}}, 1u, 10, 2, 0, 5, 8, 3, 0}, /* 51: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xC4090000u}}, 1u, 10, 3, 0, 4, 8, 1, 0}, /* 52: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 10, 4, 0, 4, 8, 3, 0}, /* 53: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 10, 4, 0, 5, 8, 3, 0}, /* 54: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00080000u}}, 7u, 10, 4, 0, 6, 8, 3, 0}, /* 55: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 10, 5, 0, 4, 8, 3, 0}, /* 56: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 10, 5, 0, 5, 8, 3, 0}, /* 57: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x00F80000u}}, 7u, 10, 5, 0, 6, 8, 3, 0}, /* 58: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 10, 6, 0, 4, 8, 3, 0}, /* 59: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 10, 6, 0, 5, 8, 3, 0}, /* 60: request of set_torque */
+        {{0x147u, {0xA1000000u, 0xFFFF0000u}}, 7u, 10, 6, 0, 6, 8, 3, 0}, /* 61: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 10, 7, 0, 4, 8, 3, 0}, /* 62: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 10, 7, 0, 5, 8, 3, 0}, /* 63: request of set_torque */
+        {{0x147u, {0xA1000000u}}, 7u, 10, 7, 0, 6, 8, 3, 0}, /* 64: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 10, 8, 0, 4, 8, 3, 0}, /* 65: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 10, 8, 0, 5, 8, 3, 0}, /* 66: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x01000000u}}, 7u, 10, 8, 0, 6, 8, 3, 0}, /* 67: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 10, 9, 0, 4, 8, 3, 0}, /* 68: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 10, 9, 0, 5, 8, 3, 0}, /* 69: request of set_torque */
+        {{0x147u, {0xA1000000u, 0x23010000u}}, 7u, 10, 9, 0, 6, 8, 3, 0}, /* 70: request of set_torque */
+        {{0x141u, {0xA1000000u, 0x01080000u}}, 1u, 10, 10, 0, 4, 8, 1, 0}, /* 71: request of set_torque */
+        {{0x141u, {0xA1000000u, 0xFFF70000u}}, 1u, 10, 11, 0, 5, 8, 1, 0}, /* 72: request of set_torque */
+        {{0x141u, {0xA1010203u, 0x39FE0405u}}, 1u, 10, 12, 0, 4, 8, 1, 0}, /* 73: request of set_torque */
+        {{0x181u, {0xA1320008u, 0xF401E803u}}, 1u, 11, 6, 0, 7, 8, 3, 0}, /* 74: reply of set_torque */
+        {{0x1A0u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 11, 7, 0, 8, 8, 3, 0}, /* 75: reply of set_torque */
+        {{0x181u, {0xA102FF7Fu, 0x03000400u}}, 1u, 11, 8, 0, 9, 8, 3, 0}, /* 76: reply of set_torque */
+        {{0x181u, {0xA1020080u, 0x03000400u}}, 1u, 11, 9, 0, 9, 8, 3, 0}, /* 77: reply of set_torque */
+        {{0x181u, {0xA1320008u, 0xF401E803u}}, 1u, 11, 6, 0, 10, 8, 3, 0}, /* 78: reply of set_torque */
+        {{0x1A0u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 11, 7, 0, 11, 8, 3, 0}, /* 79: reply of set_torque */
+        {{0x181u, {0xA102FF7Fu, 0x03000400u}}, 1u, 11, 8, 0, 12, 8, 3, 0}, /* 80: reply of set_torque */
+        {{0x181u, {0xA1020080u, 0x03000400u}}, 1u, 11, 9, 0, 12, 8, 3, 0}, /* 81: reply of set_torque */
+        {{0x181u, {0xA1320008u, 0xF401E803u}}, 1u, 11, 6, 0, 13, 8, 3, 0}, /* 82: reply of set_torque */
+        {{0x1A0u, {0xA1FF00F8u, 0x0CFE0201u}}, 32u, 11, 7, 0, 14, 8, 3, 0}, /* 83: reply of set_torque */
+        {{0x181u, {0xA102FF7Fu, 0x03000400u}}, 1u, 11, 8, 0, 15, 8, 3, 0}, /* 84: reply of set_torque */
+        {{0x181u, {0xA1020080u, 0x03000400u}}, 1u, 11, 9, 0, 15, 8, 3, 0}, /* 85: reply of set_torque */
+        {{0x181u, {0xA17FFFFFu, 0xFF7FFF7Fu}}, 1u, 11, 10, 0, 15, 8, 3, 0}, /* 86: reply of set_torque */
+        {{0x181u, {0xA1800100u, 0x0080FFFFu}}, 1u, 11, 11, 0, 13, 8, 3, 0}, /* 87: reply of set_torque */
+        {{0x181u, {0xA1000000u}}, 1u, 11, 12, 0, 8, 8, 3, 0}, /* 88: reply of set_torque */
+        {{0x181u, {0xA101B80Bu, 0xFFFFFF3Fu}}, 1u, 11, 13, 0, 14, 8, 3, 0}, /* 89: reply of set_torque */
+        {{0x181u, {0xA121B3FFu, 0x01000180u}}, 1u, 11, 14, 0, 4, 8, 3, 0}, /* 90: reply of set_torque */
+        {{0x181u, {0xA1214D00u, 0x01000040u}}, 1u, 11, 15, 0, 14, 8, 1, 0}, /* 91: reply of set_torque */
+        {{0x181u, {0xA1214D00u, 0x01000080u}}, 1u, 11, 16, 0, 15, 8, 1, 0}, /* 92: reply of set_torque */
+        {{0x141u, {0xA2006C02u, 0xA08C0000u}}, 1u, 12, 0, 0, 4, 8, 3, 0}, /* 93: request of set_speed */
+        {{0x181u, {0xA2326C02u, 0x68010040u}}, 1u, 13, 17, 0, 13, 8, 3, 0}, /* 94: reply of set_speed */
+        {{0x141u, {0xA2000000u, 0xA08C0000u}}, 1u, 12, 1, 0, 4, 8, 3, 0}, /* 95: request of set_speed */
+        {{0x141u, {0xA2000000u, 0x28230000u}}, 1u, 12, 2, 0, 5, 8, 3, 0}, /* 96: request of set_speed */
+        {{0x141u, {0xA2000000u, 0xD8DCFFFFu}}, 1u, 12, 3, 0, 4, 8, 3, 0}, /* 97: request of set_speed */
+        {{0x141u, {0xA2000000u, 0xB4000000u}}, 1u, 12, 4, 0, 4, 8, 3, 0}, /* 98: request of set_speed */
+        {{0x154u, {0xA2000008u, 0xFFFFFF7Fu}}, 20u, 12, 5, 0, 4, 8, 3, 0}, /* 99: request of set_speed */
+        {{0x154u, {0xA2000008u, 0xFFFFFF7Fu}}, 20u, 12, 5, 0, 5, 8, 3, 0}, /* 100: request of set_speed */
+        {{0x154u, {0xA20000F8u, 0x00000080u}}, 20u, 12, 6, 0, 4, 8, 3, 0}, /* 101: request of set_speed */
+        {{0x154u, {0xA20000F8u, 0x00000080u}}, 20u, 12, 6, 0, 5, 8, 3, 0}, /* 102: request of set_speed */
+        {{0x154u, {0xA200FFFFu, 0xFFFFFFFFu}}, 20u, 12, 7, 0, 4, 8, 3, 0}, /* 103: request of set_speed */
+        {{0x154u, {0xA2000000u}}, 20u, 12, 8, 0, 4, 8, 3, 0}, /* 104: request of set_speed */
+        {{0x154u, {0xA2000100u, 0x01000000u}}, 20u, 12, 9, 0, 4, 8, 3, 0}, /* 105: request of set_speed */
+        {{0x154u, {0xA2000201u, 0x04030201u}}, 20u, 12, 10, 0, 4, 8, 3, 0}, /* 106: request of set_speed */
+        {{0x154u, {0xA2006400u, 0x1D000000u}}, 20u, 12, 11, 0, 4, 8, 3, 0}, /* 107: request of set_speed */
+        {{0x154u, {0xA2006500u, 0x39000000u}}, 20u, 12, 12, 0, 4, 8, 3, 0}, /* 108: request of set_speed */
+        {{0x160u, {0xA2000008u, 0xA08C0000u}}, 32u, 12, 13, 0, 6, 8, 3, 0}, /* 109: request of set_speed */
+        {{0x141u, {0xA2002C01u, 0x6073FFFFu}}, 1u, 12, 14, 0, 16, 8, 3, 0}, /* 110: request of set_speed */
+        {{0x143u, {0xA2005203u, 0x39300000u}}, 3u, 12, 15, 0, 0, 8, 3, 0}, /* 111: request of set_speed */
+        {{0x141u, {0xA2000108u, 0x05000000u}}, 1u, 12, 16, 0, 4, 8, 1, 0}, /* 112: request of set_speed */
+        {{0x141u, {0xA200FFF7u, 0x05000000u}}, 1u, 12, 17, 0, 5, 8, 1, 0}, /* 113: request of set_speed */
+        {{0x141u, {0xA2772301u, 0x04030201u}}, 1u, 12, 18, 0, 4, 8, 1, 0}, /* 114: request of set_speed */
+        {{0x181u, {0xA2280903u, 0x18FC401Fu}}, 1u, 13, 18, 0, 1, 8, 3, 0}, /* 115: reply of set_speed */
+        {{0x182u, {0xA229F006u, 0x17FC411Fu}}, 2u, 13, 19, 0, 8, 8, 3, 0}, /* 116: reply of set_speed */
+        {{0x194u, {0xA22AEF06u, 0x16FC421Fu}}, 20u, 13, 20, 0, 10, 8, 3, 0}, /* 117: reply of set_speed */
+        {{0x1A0u, {0xA22BEE06u, 0x15FC431Fu}}, 32u, 13, 21, 0, 13, 8, 3, 0}, /* 118: reply of set_speed */
+        {{0x141u, {0xA3000000u, 0xA08C0000u}}, 1u, 14, 0, 0, 0, 8, 3, 0}, /* 119: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x80EE3600u}}, 1u, 14, 1, 0, 0, 8, 3, 0}, /* 120: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0xF82A0000u}}, 1u, 14, 2, 0, 0, 8, 3, 0}, /* 121: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x64000000u}}, 1u, 14, 3, 0, 0, 8, 3, 0}, /* 122: request of move_to_angle */
+        {{0x141u, {0xA3000000u, 0x0A000000u}}, 1u, 14, 4, 0, 0, 8, 3, 0}, /* 123: request of move_to_angle */
+        {{0x141u, {0xA3000000u}}, 1u, 14, 5, 0, 0, 8, 3, 0}, /* 124: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xFFFFFF7Fu}}, 31u, 14, 6, 0, 0, 8, 3, 0}, /* 125: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x00000080u}}, 31u, 14, 7, 0, 0, 8, 3, 0}, /* 126: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xFFFFFFFFu}}, 31u, 14, 8, 0, 0, 8, 3, 0}, /* 127: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x01000000u}}, 31u, 14, 9, 0, 0, 8, 3, 0}, /* 128: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x0D0C0B0Au}}, 31u, 14, 10, 0, 0, 8, 3, 0}, /* 129: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0xB0B9FFFFu}}, 31u, 14, 11, 0, 0, 8, 3, 0}, /* 130: request of move_to_angle */
+        {{0x15Fu, {0xA3000000u, 0x1D000000u}}, 31u, 14, 12, 0, 0, 8, 3, 0}, /* 131: request of move_to_angle */
+        {{0x141u, {0xA3FFFFFFu, 0x10270000u}}, 1u, 14, 13, 0, 0, 8, 1, 0}, /* 132: request of move_to_angle */
+        {{0x181u, {0xA3280903u, 0x18FC401Fu}}, 1u, 15, 18, 0, 1, 8, 3, 0}, /* 133: reply of move_to_angle */
+        {{0x182u, {0xA329F006u, 0x17FC411Fu}}, 2u, 15, 19, 0, 8, 8, 3, 0}, /* 134: reply of move_to_angle */
+        {{0x194u, {0xA32AEF06u, 0x16FC421Fu}}, 20u, 15, 20, 0, 10, 8, 3, 0}, /* 135: reply of move_to_angle */
+        {{0x1A0u, {0xA32BEE06u, 0x15FC431Fu}}, 32u, 15, 21, 0, 13, 8, 3, 0}, /* 136: reply of move_to_angle */
+        {{0x141u, {0xA400D002u, 0xA08C0000u}}, 1u, 16, 0, 0, 0, 8, 3, 0}, /* 137: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4007800u, 0x50460000u}}, 1u, 16, 1, 0, 0, 8, 3, 0}, /* 138: request of move_to_angle_at_speed */
         /* 139: request of move_to_angle_at_speed */
-        {{0x154u, {0xA4u, 0x00u, 0x78u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 20u, 16u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 140: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 16u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 141: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x28u, 0x23u, 0x00u, 0x00u}}, 1u, 16u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 142: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0x2Cu, 0x01u, 0x10u, 0x27u, 0x00u, 0x00u}}, 1u, 16u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 143: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xD0u, 0x02u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 16u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 144: request of move_to_angle_at_speed */
-        {{0x142u, {0xA4u, 0x00u, 0x78u, 0x00u, 0xB0u, 0xB9u, 0xFFu, 0xFFu}}, 2u, 16u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 145: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 16u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 146: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0x00u, 0xF4u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 16u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xA4007800u, 0xB0B9FFFFu}}, 20u, 16, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA4002C01u, 0x50460000u}}, 1u, 16, 3, 0, 0, 8, 3, 0}, /* 140: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4002C01u, 0x28230000u}}, 1u, 16, 4, 0, 0, 8, 3, 0}, /* 141: request of move_to_angle_at_speed */
+        {{0x141u, {0xA4002C01u, 0x10270000u}}, 1u, 16, 5, 0, 0, 8, 3, 0}, /* 142: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400D002u, 0x94110000u}}, 1u, 16, 6, 0, 0, 8, 3, 0}, /* 143: request of move_to_angle_at_speed */
+        {{0x142u, {0xA4007800u, 0xB0B9FFFFu}}, 2u, 16, 2, 0, 0, 8, 3, 0}, /* 144: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400F401u, 0xA08C0000u}}, 1u, 16, 7, 0, 0, 8, 3, 0}, /* 145: request of move_to_angle_at_speed */
+        {{0x141u, {0xA400F401u}}, 1u, 16, 8, 0, 0, 8, 3, 0}, /* 146: request of move_to_angle_at_speed */
         /* 147: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 16u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA400FFFFu, 0xFFFFFF7Fu}}, 32u, 16, 9, 0, 0, 8, 3, 0},
         /* 148: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 16u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000000u, 0x00000080u}}, 32u, 16, 10, 0, 0, 8, 3, 0},
         /* 149: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 16u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000100u, 0xFFFFFFFFu}}, 32u, 16, 11, 0, 0, 8, 3, 0},
         /* 150: request of move_to_angle_at_speed */
-        {{0x160u, {0xA4u, 0x00u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x03u}}, 32u, 16u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 151: request of move_to_angle_at_speed */
-        {{0x141u, {0xA4u, 0xFFu, 0x2Cu, 0x01u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 16u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 152: reply of move_to_angle_at_speed */
-        {{0x181u, {0xA4u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 17u, 18u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 153: reply of move_to_angle_at_speed */
-        {{0x182u, {0xA4u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 17u, 19u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA4000201u, 0x06050403u}}, 32u, 16, 12, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA4FF2C01u, 0x50460000u}}, 1u, 16, 3, 0, 0, 8, 1, 0}, /* 151: request of move_to_angle_at_speed */
+        {{0x181u, {0xA4280903u, 0x18FC401Fu}}, 1u, 17, 18, 0, 1, 8, 3, 0}, /* 152: reply of move_to_angle_at_speed */
+        {{0x182u, {0xA429F006u, 0x17FC411Fu}}, 2u, 17, 19, 0, 8, 8, 3, 0}, /* 153: reply of move_to_angle_at_speed */
         /* 154: reply of move_to_angle_at_speed */
-        {{0x194u, {0xA4u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 17u, 20u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xA42AEF06u, 0x16FC421Fu}}, 20u, 17, 20, 0, 10, 8, 3, 0},
         /* 155: reply of move_to_angle_at_speed */
-        {{0x1A0u, {0xA4u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 17u, 21u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 156: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 157: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 18u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 158: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x0Cu, 0x7Bu, 0x00u, 0x00u}}, 1u, 18u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 159: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x78u, 0x69u, 0x00u, 0x00u}}, 1u, 18u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 160: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 18u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 161: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x78u, 0x69u, 0x00u, 0x00u}}, 1u, 18u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 162: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0x00u, 0x00u, 0xE4u, 0x57u, 0x00u, 0x00u}}, 1u, 18u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 163: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 20u, 18u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 164: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 18u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 165: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 18u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 166: request of turn_to_angle */
-        {{0x154u, {0xA5u, 0x01u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x81u}}, 20u, 18u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 167: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x02u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 168: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0xFEu, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 169: request of turn_to_angle */
-        {{0x141u, {0xA5u, 0x01u, 0xAAu, 0xBBu, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 18u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 170: reply of turn_to_angle */
-        {{0x181u, {0xA5u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 19u, 18u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 171: reply of turn_to_angle */
-        {{0x182u, {0xA5u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 19u, 19u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 172: reply of turn_to_angle */
-        {{0x194u, {0xA5u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 19u, 20u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 173: reply of turn_to_angle */
-        {{0x1A0u, {0xA5u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 19u, 21u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 174: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x00u, 0xD0u, 0x02u, 0x50u, 0x46u, 0x00u, 0x00u}}, 1u, 20u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 175: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 20u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 176: request of turn_to_angle_at_speed */
-        {{0x141u, {0xA6u, 0x01u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 20u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xA42BEE06u, 0x15FC431Fu}}, 32u, 17, 21, 0, 13, 8, 3, 0},
+        {{0x141u, {0xA5000000u, 0x50460000u}}, 1u, 18, 0, 0, 0, 8, 3, 0}, /* 156: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x9F8C0000u}}, 1u, 18, 1, 0, 0, 8, 3, 0}, /* 157: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x0C7B0000u}}, 1u, 18, 2, 0, 0, 8, 3, 0}, /* 158: request of turn_to_angle */
+        {{0x141u, {0xA5000000u, 0x78690000u}}, 1u, 18, 3, 0, 0, 8, 3, 0}, /* 159: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0x9F8C0000u}}, 1u, 18, 4, 0, 0, 8, 3, 0}, /* 160: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0x78690000u}}, 1u, 18, 5, 0, 0, 8, 3, 0}, /* 161: request of turn_to_angle */
+        {{0x141u, {0xA5010000u, 0xE4570000u}}, 1u, 18, 6, 0, 0, 8, 3, 0}, /* 162: request of turn_to_angle */
+        {{0x154u, {0xA5000000u, 0xFFFFFFFFu}}, 20u, 18, 7, 0, 0, 8, 3, 0}, /* 163: request of turn_to_angle */
+        {{0x154u, {0xA5010000u}}, 20u, 18, 8, 0, 0, 8, 3, 0}, /* 164: request of turn_to_angle */
+        {{0x154u, {0xA5000000u, 0x01000000u}}, 20u, 18, 9, 0, 0, 8, 3, 0}, /* 165: request of turn_to_angle */
+        {{0x154u, {0xA5010000u, 0x04030281u}}, 20u, 18, 10, 0, 0, 8, 3, 0}, /* 166: request of turn_to_angle */
+        {{0x141u, {0xA5020000u, 0x50460000u}}, 1u, 18, 11, 0, 0, 8, 1, 0}, /* 167: request of turn_to_angle */
+        {{0x141u, {0xA5FE0000u, 0x50460000u}}, 1u, 18, 12, 0, 0, 8, 1, 0}, /* 168: request of turn_to_angle */
+        {{0x141u, {0xA501AABBu, 0x50460000u}}, 1u, 18, 13, 0, 0, 8, 1, 0}, /* 169: request of turn_to_angle */
+        {{0x181u, {0xA5280903u, 0x18FC401Fu}}, 1u, 19, 18, 0, 1, 8, 3, 0}, /* 170: reply of turn_to_angle */
+        {{0x182u, {0xA529F006u, 0x17FC411Fu}}, 2u, 19, 19, 0, 8, 8, 3, 0}, /* 171: reply of turn_to_angle */
+        {{0x194u, {0xA52AEF06u, 0x16FC421Fu}}, 20u, 19, 20, 0, 10, 8, 3, 0}, /* 172: reply of turn_to_angle */
+        {{0x1A0u, {0xA52BEE06u, 0x15FC431Fu}}, 32u, 19, 21, 0, 13, 8, 3, 0}, /* 173: reply of turn_to_angle */
+        {{0x141u, {0xA600D002u, 0x50460000u}}, 1u, 20, 0, 0, 0, 8, 3, 0}, /* 174: request of turn_to_angle_at_speed */
+        {{0x141u, {0xA600F401u, 0xA08C0000u}}, 1u, 20, 1, 0, 0, 8, 3, 0}, /* 175: request of turn_to_angle_at_speed */
+        {{0x141u, {0xA601F401u, 0xA08C0000u}}, 1u, 20, 2, 0, 0, 8, 3, 0}, /* 176: request of turn_to_angle_at_speed */
         /* 177: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 20u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 178: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 20u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA600FFFFu, 0xFFFFFFFFu}}, 32u, 20, 3, 0, 0, 8, 3, 0},
+        {{0x160u, {0xA6010000u}}, 32u, 20, 4, 0, 0, 8, 3, 0}, /* 178: request of turn_to_angle_at_speed */
         /* 179: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x00u, 0x01u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 32u, 20u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA6000100u, 0x01000000u}}, 32u, 20, 5, 0, 0, 8, 3, 0},
         /* 180: request of turn_to_angle_at_speed */
-        {{0x160u, {0xA6u, 0x01u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x83u}}, 32u, 20u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 181: reply of turn_to_angle_at_speed */
-        {{0x181u, {0xA6u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 21u, 18u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 182: reply of turn_to_angle_at_speed */
-        {{0x182u, {0xA6u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 21u, 19u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA6010201u, 0x06050483u}}, 32u, 20, 6, 0, 0, 8, 3, 0},
+        {{0x181u, {0xA6280903u, 0x18FC401Fu}}, 1u, 21, 18, 0, 1, 8, 3, 0}, /* 181: reply of turn_to_angle_at_speed */
+        {{0x182u, {0xA629F006u, 0x17FC411Fu}}, 2u, 21, 19, 0, 8, 8, 3, 0}, /* 182: reply of turn_to_angle_at_speed */
         /* 183: reply of turn_to_angle_at_speed */
-        {{0x194u, {0xA6u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 21u, 20u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xA62AEF06u, 0x16FC421Fu}}, 20u, 21, 20, 0, 10, 8, 3, 0},
         /* 184: reply of turn_to_angle_at_speed */
-        {{0x1A0u, {0xA6u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 21u, 21u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 185: reply of turn_to_angle_at_speed */
-        {{0x181u, {0xA6u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 1u, 21u, 22u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 186: request of move_by_angle */
-        {{0x141u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 22u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 187: request of move_by_angle */
-        {{0x141u, {0xA7u, 0x00u, 0xD0u, 0x02u, 0x94u, 0x11u, 0x00u, 0x00u}}, 1u, 22u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 188: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x94u, 0x11u, 0x00u, 0x00u}}, 3u, 22u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 189: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 3u, 22u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 190: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 3u, 22u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 191: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 3u, 22u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 192: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 3u, 22u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 193: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 3u, 22u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 194: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x0Du, 0x0Cu, 0x0Bu, 0x0Au}}, 3u, 22u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 195: request of move_by_angle */
-        {{0x143u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x48u, 0xF4u, 0xFFu, 0xFFu}}, 3u, 22u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 196: reply of move_by_angle */
-        {{0x181u, {0xA7u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 23u, 18u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 197: reply of move_by_angle */
-        {{0x182u, {0xA7u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 23u, 19u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 198: reply of move_by_angle */
-        {{0x194u, {0xA7u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 23u, 20u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 199: reply of move_by_angle */
-        {{0x1A0u, {0xA7u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 23u, 21u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 200: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xD0u, 0x02u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 1u, 24u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 201: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xD0u, 0x02u, 0x48u, 0xF4u, 0xFFu, 0xFFu}}, 1u, 24u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 202: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xF4u, 0x01u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 24u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 203: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x00u, 0xF4u, 0x01u, 0x60u, 0x73u, 0xFFu, 0xFFu}}, 1u, 24u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xA62BEE06u, 0x15FC431Fu}}, 32u, 21, 21, 0, 13, 8, 3, 0},
+        {{0x181u, {0xA6326400u, 0xF401E803u}}, 1u, 21, 22, 0, 13, 8, 3, 0}, /* 185: reply of turn_to_angle_at_speed */
+        {{0x141u, {0xA7000000u, 0x94110000u}}, 1u, 22, 0, 0, 0, 8, 3, 0}, /* 186: request of move_by_angle */
+        {{0x141u, {0xA700D002u, 0x94110000u}}, 1u, 22, 0, 0, 0, 8, 1, 0}, /* 187: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x94110000u}}, 3u, 22, 0, 0, 0, 8, 3, 0}, /* 188: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0xFFFFFF7Fu}}, 3u, 22, 1, 0, 0, 8, 3, 0}, /* 189: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x00000080u}}, 3u, 22, 2, 0, 0, 8, 3, 0}, /* 190: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0xFFFFFFFFu}}, 3u, 22, 3, 0, 0, 8, 3, 0}, /* 191: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x01000000u}}, 3u, 22, 4, 0, 0, 8, 3, 0}, /* 192: request of move_by_angle */
+        {{0x143u, {0xA7000000u}}, 3u, 22, 5, 0, 0, 8, 3, 0}, /* 193: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x0D0C0B0Au}}, 3u, 22, 6, 0, 0, 8, 3, 0}, /* 194: request of move_by_angle */
+        {{0x143u, {0xA7000000u, 0x48F4FFFFu}}, 3u, 22, 7, 0, 0, 8, 3, 0}, /* 195: request of move_by_angle */
+        {{0x181u, {0xA7280903u, 0x18FC401Fu}}, 1u, 23, 18, 0, 1, 8, 3, 0}, /* 196: reply of move_by_angle */
+        {{0x182u, {0xA729F006u, 0x17FC411Fu}}, 2u, 23, 19, 0, 8, 8, 3, 0}, /* 197: reply of move_by_angle */
+        {{0x194u, {0xA72AEF06u, 0x16FC421Fu}}, 20u, 23, 20, 0, 10, 8, 3, 0}, /* 198: reply of move_by_angle */
+        {{0x1A0u, {0xA72BEE06u, 0x15FC431Fu}}, 32u, 23, 21, 0, 13, 8, 3, 0}, /* 199: reply of move_by_angle */
+        {{0x141u, {0xA800D002u, 0xB80B0000u}}, 1u, 24, 0, 0, 0, 8, 3, 0}, /* 200: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800D002u, 0x48F4FFFFu}}, 1u, 24, 1, 0, 0, 8, 3, 0}, /* 201: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800F401u, 0xA08C0000u}}, 1u, 24, 2, 0, 0, 8, 3, 0}, /* 202: request of move_by_angle_at_speed */
+        {{0x141u, {0xA800F401u, 0x6073FFFFu}}, 1u, 24, 3, 0, 0, 8, 3, 0}, /* 203: request of move_by_angle_at_speed */
         /* 204: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 24u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA800FFFFu, 0xFFFFFF7Fu}}, 32u, 24, 4, 0, 0, 8, 3, 0},
         /* 205: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 32u, 24u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000000u, 0x00000080u}}, 32u, 24, 5, 0, 0, 8, 3, 0},
         /* 206: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 32u, 24u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000100u, 0xFFFFFFFFu}}, 32u, 24, 6, 0, 0, 8, 3, 0},
         /* 207: request of move_by_angle_at_speed */
-        {{0x160u, {0xA8u, 0x00u, 0x02u, 0x01u, 0x06u, 0x05u, 0x04u, 0x03u}}, 32u, 24u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 208: request of move_by_angle_at_speed */
-        {{0x141u, {0xA8u, 0x09u, 0xD0u, 0x02u, 0xB8u, 0x0Bu, 0x00u, 0x00u}}, 1u, 24u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 209: reply of move_by_angle_at_speed */
-        {{0x181u, {0xA8u, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 25u, 18u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 210: reply of move_by_angle_at_speed */
-        {{0x182u, {0xA8u, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 25u, 19u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xA8000201u, 0x06050403u}}, 32u, 24, 7, 0, 0, 8, 3, 0},
+        {{0x141u, {0xA809D002u, 0xB80B0000u}}, 1u, 24, 0, 0, 0, 8, 1, 0}, /* 208: request of move_by_angle_at_speed */
+        {{0x181u, {0xA8280903u, 0x18FC401Fu}}, 1u, 25, 18, 0, 1, 8, 3, 0}, /* 209: reply of move_by_angle_at_speed */
+        {{0x182u, {0xA829F006u, 0x17FC411Fu}}, 2u, 25, 19, 0, 8, 8, 3, 0}, /* 210: reply of move_by_angle_at_speed */
         /* 211: reply of move_by_angle_at_speed */
-        {{0x194u, {0xA8u, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 25u, 20u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xA82AEF06u, 0x16FC421Fu}}, 20u, 25, 20, 0, 10, 8, 3, 0},
         /* 212: reply of move_by_angle_at_speed */
-        {{0x1A0u, {0xA8u, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 25u, 21u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 213: reply of move_by_angle_at_speed */
-        {{0x181u, {0xA8u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0x2Du, 0x00u}}, 1u, 25u, 23u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 214: request of read_control_parameter_angle_pid */
-        {{0x141u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 26u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 215: request of read_control_parameter_angle_pid */
-        {{0x160u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 26u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xA82BEE06u, 0x15FC431Fu}}, 32u, 25, 21, 0, 13, 8, 3, 0},
+        {{0x181u, {0xA8326400u, 0xF4012D00u}}, 1u, 25, 23, 0, 13, 8, 3, 0}, /* 213: reply of move_by_angle_at_speed */
+        {{0x141u, {0xC00A0000u}}, 1u, 26, 0, 0, 0, 8, 3, 0}, /* 214: request of read_control_parameter_angle_pid */
+        {{0x160u, {0xC00A0000u}}, 32u, 26, 0, 0, 0, 8, 3, 0}, /* 215: request of read_control_parameter_angle_pid */
         /* 216: request of read_control_parameter_angle_pid */
-        {{0x141u, {0xC0u, 0x0Au, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 26u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC00A0203u, 0x04050607u}}, 1u, 26, 0, 0, 0, 8, 1, 0},
         /* 217: reply of read_control_parameter_angle_pid */
-        {{0x181u, {0xC0u, 0x0Au, 0x64u, 0x00u, 0x32u, 0x00u, 0x19u, 0x00u}}, 1u, 27u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC00A6400u, 0x32001900u}}, 1u, 27, 0, 0, 0, 8, 3, 0},
         /* 218: reply of read_control_parameter_angle_pid */
-        {{0x194u, {0xC0u, 0x0Au, 0xD0u, 0x07u, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 27u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC00AD007u, 0x00000100u}}, 20u, 27, 1, 0, 0, 8, 3, 0},
         /* 219: reply of read_control_parameter_angle_pid */
-        {{0x1A0u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0xD0u, 0x07u, 0x02u, 0x01u}}, 32u, 27u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC00A0000u, 0xD0070201u}}, 32u, 27, 2, 0, 0, 8, 3, 0},
         /* 220: reply of read_control_parameter_angle_pid */
-        {{0x181u, {0xC0u, 0x0Au, 0x01u, 0x00u, 0x02u, 0x00u, 0xD0u, 0x07u}}, 1u, 27u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 221: request of read_control_parameter_speed_pid */
-        {{0x141u, {0xC0u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 28u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 222: request of read_control_parameter_speed_pid */
-        {{0x160u, {0xC0u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 28u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC00A0100u, 0x0200D007u}}, 1u, 27, 3, 0, 0, 8, 3, 0},
+        {{0x141u, {0xC00B0000u}}, 1u, 28, 0, 0, 0, 8, 3, 0}, /* 221: request of read_control_parameter_speed_pid */
+        {{0x160u, {0xC00B0000u}}, 32u, 28, 0, 0, 0, 8, 3, 0}, /* 222: request of read_control_parameter_speed_pid */
         /* 223: request of read_control_parameter_speed_pid */
-        {{0x141u, {0xC0u, 0x0Bu, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 28u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC00B0203u, 0x04050607u}}, 1u, 28, 0, 0, 0, 8, 1, 0},
         /* 224: reply of read_control_parameter_speed_pid */
-        {{0x181u, {0xC0u, 0x0Bu, 0x65u, 0x00u, 0x33u, 0x00u, 0x1Au, 0x00u}}, 1u, 29u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC00B6500u, 0x33001A00u}}, 1u, 29, 4, 0, 0, 8, 3, 0},
         /* 225: reply of read_control_parameter_speed_pid */
-        {{0x194u, {0xC0u, 0x0Bu, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 20u, 29u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC00B0201u, 0x04030605u}}, 20u, 29, 5, 0, 0, 8, 3, 0},
         /* 226: reply of read_control_parameter_speed_pid */
-        {{0x1A0u, {0xC0u, 0x0Bu, 0xD0u, 0x07u, 0xD0u, 0x07u, 0xD0u, 0x07u}}, 32u, 29u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 227: request of read_control_parameter_current_pid */
-        {{0x141u, {0xC0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 228: request of read_control_parameter_current_pid */
-        {{0x160u, {0xC0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC00BD007u, 0xD007D007u}}, 32u, 29, 6, 0, 0, 8, 3, 0},
+        {{0x141u, {0xC00C0000u}}, 1u, 30, 0, 0, 0, 8, 3, 0}, /* 227: request of read_control_parameter_current_pid */
+        {{0x160u, {0xC00C0000u}}, 32u, 30, 0, 0, 0, 8, 3, 0}, /* 228: request of read_control_parameter_current_pid */
         /* 229: request of read_control_parameter_current_pid */
-        {{0x141u, {0xC0u, 0x0Cu, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 30u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC00C0203u, 0x04050607u}}, 1u, 30, 0, 0, 0, 8, 1, 0},
         /* 230: reply of read_control_parameter_current_pid */
-        {{0x181u, {0xC0u, 0x0Cu, 0x66u, 0x00u, 0x34u, 0x00u, 0x1Bu, 0x00u}}, 1u, 31u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 231: reply of read_control_parameter_current_pid */
-        {{0x194u, {0xC0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 31u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC00C6600u, 0x34001B00u}}, 1u, 31, 7, 0, 0, 8, 3, 0},
+        {{0x194u, {0xC00C0000u}}, 20u, 31, 8, 0, 0, 8, 3, 0}, /* 231: reply of read_control_parameter_current_pid */
         /* 232: reply of read_control_parameter_current_pid */
-        {{0x1A0u, {0xC0u, 0x0Cu, 0x05u, 0x06u, 0x03u, 0x04u, 0x01u, 0x02u}}, 32u, 31u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC00C0506u, 0x03040102u}}, 32u, 31, 9, 0, 0, 8, 3, 0},
         /* 233: request of read_control_parameter_max_torque_current */
-        {{0x141u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 32u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC01E0000u}}, 1u, 32, 0, 0, 0, 8, 3, 0},
         /* 234: request of read_control_parameter_max_torque_current */
-        {{0x160u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 32u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC01E0000u}}, 32u, 32, 0, 0, 0, 8, 3, 0},
         /* 235: request of read_control_parameter_max_torque_current */
-        {{0x141u, {0xC0u, 0x1Eu, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 32u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC01E0203u, 0x04050607u}}, 1u, 32, 0, 0, 0, 8, 1, 0},
         /* 236: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 33u, 0u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u}}, 1u, 33, 0, 0, 16, 8, 3, 0},
         /* 237: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 33u, 1u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0x01000000u}}, 1u, 33, 1, 0, 16, 8, 3, 0},
         /* 238: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 1u, 33u, 2u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0x52030000u}}, 1u, 33, 2, 0, 16, 8, 3, 0},
         /* 239: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x53u, 0x03u, 0x00u, 0x00u}}, 1u, 33u, 3u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC01E0000u, 0x53030000u}}, 1u, 33, 3, 0, 16, 8, 1, 0},
         /* 240: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 33u, 4u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC01E0000u, 0xFFFF0000u}}, 1u, 33, 4, 0, 16, 8, 1, 0},
         /* 241: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 33u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u}}, 1u, 33, 0, 0, 5, 8, 3, 0},
         /* 242: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 33u, 1u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0x01000000u}}, 1u, 33, 1, 0, 5, 8, 3, 0},
         /* 243: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 33u, 5u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0xD0070000u}}, 1u, 33, 5, 0, 5, 8, 3, 0},
         /* 244: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 33u, 6u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC01E0000u, 0xD1070000u}}, 1u, 33, 6, 0, 5, 8, 1, 0},
         /* 245: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 33u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC01E0000u, 0xFFFF0000u}}, 1u, 33, 4, 0, 5, 8, 1, 0},
         /* 246: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 33u, 0u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u}}, 1u, 33, 0, 0, 6, 8, 3, 0},
         /* 247: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 33u, 1u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0x01000000u}}, 1u, 33, 1, 0, 6, 8, 3, 0},
         /* 248: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 33u, 5u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0xD0070000u}}, 1u, 33, 5, 0, 6, 8, 3, 0},
         /* 249: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 33u, 6u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC01E0000u, 0xD1070000u}}, 1u, 33, 6, 0, 6, 8, 1, 0},
         /* 250: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 33u, 4u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC01E0000u, 0xFFFF0000u}}, 1u, 33, 4, 0, 6, 8, 1, 0},
         /* 251: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 33u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u}}, 1u, 33, 0, 0, 4, 8, 3, 0},
         /* 252: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 33u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0x01000000u}}, 1u, 33, 1, 0, 4, 8, 3, 0},
         /* 253: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 33u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC01E0000u, 0xD0070000u}}, 1u, 33, 5, 0, 4, 8, 3, 0},
         /* 254: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 33u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC01E0000u, 0xD1070000u}}, 1u, 33, 6, 0, 4, 8, 1, 0},
         /* 255: reply of read_control_parameter_max_torque_current */
-        {{0x181u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 33u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC01E0000u, 0xFFFF0000u}}, 1u, 33, 4, 0, 4, 8, 1, 0},
         /* 256: reply of read_control_parameter_max_torque_current */
-        {{0x194u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 20u, 33u, 7u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC01E0000u, 0x02010000u}}, 20u, 33, 7, 0, 16, 8, 3, 0},
         /* 257: reply of read_control_parameter_max_torque_current */
-        {{0x194u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x03u, 0x02u, 0x00u, 0x00u}}, 20u, 33u, 8u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC01E0000u, 0x03020000u}}, 20u, 33, 8, 0, 4, 8, 3, 0},
         /* 258: reply of read_control_parameter_max_torque_current */
-        {{0x182u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x20u, 0x03u, 0x00u, 0x00u}}, 2u, 33u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x182u, {0xC01E0000u, 0x20030000u}}, 2u, 33, 9, 0, 0, 8, 3, 0},
         /* 259: reply of read_control_parameter_max_torque_current */
-        {{0x183u, {0xC0u, 0x1Eu, 0x92u, 0x93u, 0x2Cu, 0x01u, 0x96u, 0x97u}}, 3u, 33u, 10u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 260: request of read_control_parameter_max_speed */
-        {{0x141u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 34u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 261: request of read_control_parameter_max_speed */
-        {{0x160u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 34u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x183u, {0xC01E9293u, 0x2C019697u}}, 3u, 33, 10, 0, 5, 8, 1, 0},
+        {{0x141u, {0xC0200000u}}, 1u, 34, 0, 0, 0, 8, 3, 0}, /* 260: request of read_control_parameter_max_speed */
+        {{0x160u, {0xC0200000u}}, 32u, 34, 0, 0, 0, 8, 3, 0}, /* 261: request of read_control_parameter_max_speed */
         /* 262: request of read_control_parameter_max_speed */
-        {{0x141u, {0xC0u, 0x20u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 34u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 263: reply of read_control_parameter_max_speed */
-        {{0x181u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 35u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC0200203u, 0x04050607u}}, 1u, 34, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0xC0200000u}}, 1u, 35, 0, 0, 0, 8, 3, 0}, /* 263: reply of read_control_parameter_max_speed */
         /* 264: reply of read_control_parameter_max_speed */
-        {{0x194u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 35u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0200000u, 0x01000000u}}, 20u, 35, 1, 0, 0, 8, 3, 0},
         /* 265: reply of read_control_parameter_max_speed */
-        {{0x1A0u, {0xC0u, 0x20u, 0x00u, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 35u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0200000u, 0xC0270900u}}, 32u, 35, 2, 0, 0, 8, 3, 0},
         /* 266: reply of read_control_parameter_max_speed */
-        {{0x181u, {0xC0u, 0x20u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 35u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0200000u, 0xA08C0000u}}, 1u, 35, 3, 0, 0, 8, 3, 0},
         /* 267: reply of read_control_parameter_max_speed */
-        {{0x194u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x00u}}, 20u, 35u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0200000u, 0x04030200u}}, 20u, 35, 4, 0, 0, 8, 3, 0},
         /* 268: reply of read_control_parameter_max_speed */
-        {{0x181u, {0xC0u, 0x20u, 0x00u, 0x00u, 0xC1u, 0x27u, 0x09u, 0x00u}}, 1u, 35u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC0200000u, 0xC1270900u}}, 1u, 35, 5, 0, 0, 8, 1, 0},
         /* 269: reply of read_control_parameter_max_speed */
-        {{0x181u, {0xC0u, 0x20u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 35u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC0200000u, 0xFFFFFFFFu}}, 1u, 35, 6, 0, 0, 8, 1, 0},
         /* 270: reply of read_control_parameter_max_speed */
-        {{0x181u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x78u, 0x56u, 0x34u, 0x12u}}, 1u, 35u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC0200000u, 0x78563412u}}, 1u, 35, 7, 0, 0, 8, 1, 0},
         /* 271: reply of read_control_parameter_max_speed */
-        {{0x181u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 35u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC0200000u, 0x00000080u}}, 1u, 35, 8, 0, 0, 8, 1, 0},
         /* 272: reply of read_control_parameter_max_speed */
-        {{0x185u, {0xC0u, 0x20u, 0x92u, 0x93u, 0x01u, 0x00u, 0x00u, 0x00u}}, 5u, 35u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 273: request of read_control_parameter_upper_angle */
-        {{0x141u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 36u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 274: request of read_control_parameter_upper_angle */
-        {{0x160u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 36u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0xC0209293u, 0x01000000u}}, 5u, 35, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0xC0220000u}}, 1u, 36, 0, 0, 0, 8, 3, 0}, /* 273: request of read_control_parameter_upper_angle */
+        {{0x160u, {0xC0220000u}}, 32u, 36, 0, 0, 0, 8, 3, 0}, /* 274: request of read_control_parameter_upper_angle */
         /* 275: request of read_control_parameter_upper_angle */
-        {{0x141u, {0xC0u, 0x22u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 36u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC0220203u, 0x04050607u}}, 1u, 36, 0, 0, 0, 8, 1, 0},
         /* 276: reply of read_control_parameter_upper_angle */
-        {{0x181u, {0xC0u, 0x22u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 1u, 37u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0220000u, 0xFFFFFF7Fu}}, 1u, 37, 0, 0, 0, 8, 3, 0},
         /* 277: reply of read_control_parameter_upper_angle */
-        {{0x194u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 37u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0220000u, 0x00000080u}}, 20u, 37, 1, 0, 0, 8, 3, 0},
         /* 278: reply of read_control_parameter_upper_angle */
-        {{0x1A0u, {0xC0u, 0x22u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 32u, 37u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0220000u, 0xA08C0000u}}, 32u, 37, 2, 0, 0, 8, 3, 0},
         /* 279: reply of read_control_parameter_upper_angle */
-        {{0x181u, {0xC0u, 0x22u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 37u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0220000u, 0xFFFFFFFFu}}, 1u, 37, 3, 0, 0, 8, 3, 0},
         /* 280: reply of read_control_parameter_upper_angle */
-        {{0x194u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 37u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0220000u, 0x04030201u}}, 20u, 37, 4, 0, 0, 8, 3, 0},
         /* 281: reply of read_control_parameter_upper_angle */
-        {{0x185u, {0xC0u, 0x22u, 0x92u, 0x93u, 0x00u, 0x00u, 0x00u, 0x80u}}, 5u, 37u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 282: request of read_control_parameter_lower_angle */
-        {{0x141u, {0xC0u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 38u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 283: request of read_control_parameter_lower_angle */
-        {{0x160u, {0xC0u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 38u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0xC0229293u, 0x00000080u}}, 5u, 37, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0xC0230000u}}, 1u, 38, 0, 0, 0, 8, 3, 0}, /* 282: request of read_control_parameter_lower_angle */
+        {{0x160u, {0xC0230000u}}, 32u, 38, 0, 0, 0, 8, 3, 0}, /* 283: request of read_control_parameter_lower_angle */
         /* 284: request of read_control_parameter_lower_angle */
-        {{0x141u, {0xC0u, 0x23u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 38u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC0230203u, 0x04050607u}}, 1u, 38, 0, 0, 0, 8, 1, 0},
         /* 285: reply of read_control_parameter_lower_angle */
-        {{0x181u, {0xC0u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 39u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0230000u, 0x00000080u}}, 1u, 39, 0, 0, 0, 8, 3, 0},
         /* 286: reply of read_control_parameter_lower_angle */
-        {{0x194u, {0xC0u, 0x23u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 39u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0230000u, 0xFFFFFF7Fu}}, 20u, 39, 1, 0, 0, 8, 3, 0},
         /* 287: reply of read_control_parameter_lower_angle */
-        {{0x1A0u, {0xC0u, 0x23u, 0x00u, 0x00u, 0x60u, 0x73u, 0xFFu, 0xFFu}}, 32u, 39u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 288: reply of read_control_parameter_lower_angle */
-        {{0x181u, {0xC0u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 39u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0230000u, 0x6073FFFFu}}, 32u, 39, 2, 0, 0, 8, 3, 0},
+        {{0x181u, {0xC0230000u}}, 1u, 39, 3, 0, 0, 8, 3, 0}, /* 288: reply of read_control_parameter_lower_angle */
         /* 289: reply of read_control_parameter_lower_angle */
-        {{0x194u, {0xC0u, 0x23u, 0x00u, 0x00u, 0x01u, 0x02u, 0x03u, 0x04u}}, 20u, 39u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0230000u, 0x01020304u}}, 20u, 39, 4, 0, 0, 8, 3, 0},
         /* 290: reply of read_control_parameter_lower_angle */
-        {{0x185u, {0xC0u, 0x23u, 0x92u, 0x93u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 5u, 39u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 291: request of read_control_parameter_speed_ramp */
-        {{0x141u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 292: request of read_control_parameter_speed_ramp */
-        {{0x160u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0xC0239293u, 0xFFFFFF7Fu}}, 5u, 39, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0xC0260000u}}, 1u, 40, 0, 0, 0, 8, 3, 0}, /* 291: request of read_control_parameter_speed_ramp */
+        {{0x160u, {0xC0260000u}}, 32u, 40, 0, 0, 0, 8, 3, 0}, /* 292: request of read_control_parameter_speed_ramp */
         /* 293: request of read_control_parameter_speed_ramp */
-        {{0x141u, {0xC0u, 0x26u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 40u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 294: reply of read_control_parameter_speed_ramp */
-        {{0x181u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 41u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC0260203u, 0x04050607u}}, 1u, 40, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0xC0260000u}}, 1u, 41, 0, 0, 0, 8, 3, 0}, /* 294: reply of read_control_parameter_speed_ramp */
         /* 295: reply of read_control_parameter_speed_ramp */
-        {{0x194u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 41u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0260000u, 0x01000000u}}, 20u, 41, 1, 0, 0, 8, 3, 0},
         /* 296: reply of read_control_parameter_speed_ramp */
-        {{0x1A0u, {0xC0u, 0x26u, 0x00u, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 41u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC0260000u, 0xC0270900u}}, 32u, 41, 2, 0, 0, 8, 3, 0},
         /* 297: reply of read_control_parameter_speed_ramp */
-        {{0x181u, {0xC0u, 0x26u, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 1u, 41u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC0260000u, 0xE8030000u}}, 1u, 41, 3, 0, 0, 8, 3, 0},
         /* 298: reply of read_control_parameter_speed_ramp */
-        {{0x194u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x02u, 0x03u, 0x04u, 0x00u}}, 20u, 41u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC0260000u, 0x02030400u}}, 20u, 41, 4, 0, 0, 8, 3, 0},
         /* 299: reply of read_control_parameter_speed_ramp */
-        {{0x181u, {0xC0u, 0x26u, 0x00u, 0x00u, 0xC1u, 0x27u, 0x09u, 0x00u}}, 1u, 41u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC0260000u, 0xC1270900u}}, 1u, 41, 5, 0, 0, 8, 1, 0},
         /* 300: reply of read_control_parameter_speed_ramp */
-        {{0x181u, {0xC0u, 0x26u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 41u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC0260000u, 0xFFFFFFFFu}}, 1u, 41, 6, 0, 0, 8, 1, 0},
         /* 301: reply of read_control_parameter_speed_ramp */
-        {{0x181u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x78u, 0x56u, 0x34u, 0x12u}}, 1u, 41u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC0260000u, 0x78563412u}}, 1u, 41, 7, 0, 0, 8, 1, 0},
         /* 302: reply of read_control_parameter_speed_ramp */
-        {{0x181u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 41u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0xC0260000u, 0x00000080u}}, 1u, 41, 8, 0, 0, 8, 1, 0},
         /* 303: reply of read_control_parameter_speed_ramp */
-        {{0x185u, {0xC0u, 0x26u, 0x92u, 0x93u, 0x01u, 0x00u, 0x00u, 0x00u}}, 5u, 41u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x185u, {0xC0269293u, 0x01000000u}}, 5u, 41, 1, 0, 0, 8, 1, 0},
         /* 304: request of write_control_parameter_ram_angle_pid */
-        {{0x141u, {0xC1u, 0x0Au, 0x64u, 0x00u, 0x32u, 0x00u, 0x19u, 0x00u}}, 1u, 42u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC10A6400u, 0x32001900u}}, 1u, 42, 0, 0, 0, 8, 3, 0},
         /* 305: reply of write_control_parameter_ram_angle_pid */
-        {{0x181u, {0xC1u, 0x0Au, 0x64u, 0x00u, 0x32u, 0x00u, 0x19u, 0x00u}}, 1u, 43u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC10A6400u, 0x32001900u}}, 1u, 43, 0, 0, 0, 8, 3, 0},
         /* 306: request of write_control_parameter_ram_angle_pid */
-        {{0x141u, {0xC1u, 0x0Au, 0x64u, 0x00u, 0x32u, 0x00u, 0x19u, 0x00u}}, 1u, 42u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC10A6400u, 0x32001900u}}, 1u, 42, 0, 0, 0, 8, 3, 0},
         /* 307: request of write_control_parameter_ram_angle_pid */
-        {{0x154u, {0xC1u, 0x0Au, 0xD0u, 0x07u, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 42u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC10AD007u, 0x00000100u}}, 20u, 42, 1, 0, 0, 8, 3, 0},
         /* 308: request of write_control_parameter_ram_angle_pid */
-        {{0x160u, {0xC1u, 0x0Au, 0x00u, 0x00u, 0xD0u, 0x07u, 0x02u, 0x01u}}, 32u, 42u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC10A0000u, 0xD0070201u}}, 32u, 42, 2, 0, 0, 8, 3, 0},
         /* 309: request of write_control_parameter_ram_angle_pid */
-        {{0x141u, {0xC1u, 0x0Au, 0x01u, 0x00u, 0x02u, 0x00u, 0xD0u, 0x07u}}, 1u, 42u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC10A0100u, 0x0200D007u}}, 1u, 42, 3, 0, 0, 8, 3, 0},
         /* 310: request of write_control_parameter_ram_angle_pid */
-        {{0x141u, {0xC1u, 0x0Au, 0xD1u, 0x07u, 0x06u, 0x00u, 0x07u, 0x00u}}, 1u, 42u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC10AD107u, 0x06000700u}}, 1u, 42, 10, 0, 0, 8, 1, 0},
         /* 311: request of write_control_parameter_ram_angle_pid */
-        {{0x141u, {0xC1u, 0x0Au, 0x05u, 0x00u, 0xFFu, 0xFFu, 0x07u, 0x00u}}, 1u, 42u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC10A0500u, 0xFFFF0700u}}, 1u, 42, 11, 0, 0, 8, 1, 0},
         /* 312: request of write_control_parameter_ram_angle_pid */
-        {{0x141u, {0xC1u, 0x0Au, 0x05u, 0x00u, 0x06u, 0x00u, 0x00u, 0x80u}}, 1u, 42u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC10A0500u, 0x06000080u}}, 1u, 42, 12, 0, 0, 8, 1, 0},
         /* 313: reply of write_control_parameter_ram_angle_pid */
-        {{0x194u, {0xC1u, 0x0Au, 0xD0u, 0x07u, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 43u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC10AD007u, 0x00000100u}}, 20u, 43, 1, 0, 0, 8, 3, 0},
         /* 314: reply of write_control_parameter_ram_angle_pid */
-        {{0x1A0u, {0xC1u, 0x0Au, 0x00u, 0x00u, 0xD0u, 0x07u, 0x02u, 0x01u}}, 32u, 43u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC10A0000u, 0xD0070201u}}, 32u, 43, 2, 0, 0, 8, 3, 0},
         /* 315: request of write_control_parameter_ram_speed_pid */
-        {{0x141u, {0xC1u, 0x0Bu, 0x65u, 0x00u, 0x33u, 0x00u, 0x1Au, 0x00u}}, 1u, 44u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC10B6500u, 0x33001A00u}}, 1u, 44, 4, 0, 0, 8, 3, 0},
         /* 316: request of write_control_parameter_ram_speed_pid */
-        {{0x154u, {0xC1u, 0x0Bu, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 20u, 44u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC10B0201u, 0x04030605u}}, 20u, 44, 5, 0, 0, 8, 3, 0},
         /* 317: request of write_control_parameter_ram_speed_pid */
-        {{0x160u, {0xC1u, 0x0Bu, 0xD0u, 0x07u, 0xD0u, 0x07u, 0xD0u, 0x07u}}, 32u, 44u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC10BD007u, 0xD007D007u}}, 32u, 44, 6, 0, 0, 8, 3, 0},
         /* 318: request of write_control_parameter_ram_speed_pid */
-        {{0x141u, {0xC1u, 0x0Bu, 0xD1u, 0x07u, 0x06u, 0x00u, 0x07u, 0x00u}}, 1u, 44u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC10BD107u, 0x06000700u}}, 1u, 44, 10, 0, 0, 8, 1, 0},
         /* 319: request of write_control_parameter_ram_speed_pid */
-        {{0x141u, {0xC1u, 0x0Bu, 0x05u, 0x00u, 0xFFu, 0xFFu, 0x07u, 0x00u}}, 1u, 44u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC10B0500u, 0xFFFF0700u}}, 1u, 44, 11, 0, 0, 8, 1, 0},
         /* 320: request of write_control_parameter_ram_speed_pid */
-        {{0x141u, {0xC1u, 0x0Bu, 0x05u, 0x00u, 0x06u, 0x00u, 0x00u, 0x80u}}, 1u, 44u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC10B0500u, 0x06000080u}}, 1u, 44, 12, 0, 0, 8, 1, 0},
         /* 321: reply of write_control_parameter_ram_speed_pid */
-        {{0x194u, {0xC1u, 0x0Bu, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 20u, 45u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC10B0201u, 0x04030605u}}, 20u, 45, 5, 0, 0, 8, 3, 0},
         /* 322: reply of write_control_parameter_ram_speed_pid */
-        {{0x1A0u, {0xC1u, 0x0Bu, 0xD0u, 0x07u, 0xD0u, 0x07u, 0xD0u, 0x07u}}, 32u, 45u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC10BD007u, 0xD007D007u}}, 32u, 45, 6, 0, 0, 8, 3, 0},
         /* 323: request of write_control_parameter_ram_current_pid */
-        {{0x141u, {0xC1u, 0x0Cu, 0x66u, 0x00u, 0x34u, 0x00u, 0x1Bu, 0x00u}}, 1u, 46u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC10C6600u, 0x34001B00u}}, 1u, 46, 7, 0, 0, 8, 3, 0},
         /* 324: request of write_control_parameter_ram_current_pid */
-        {{0x154u, {0xC1u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 46u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC10C0000u}}, 20u, 46, 8, 0, 0, 8, 3, 0},
         /* 325: request of write_control_parameter_ram_current_pid */
-        {{0x160u, {0xC1u, 0x0Cu, 0x05u, 0x06u, 0x03u, 0x04u, 0x01u, 0x02u}}, 32u, 46u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC10C0506u, 0x03040102u}}, 32u, 46, 9, 0, 0, 8, 3, 0},
         /* 326: request of write_control_parameter_ram_current_pid */
-        {{0x141u, {0xC1u, 0x0Cu, 0xD1u, 0x07u, 0x06u, 0x00u, 0x07u, 0x00u}}, 1u, 46u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC10CD107u, 0x06000700u}}, 1u, 46, 10, 0, 0, 8, 1, 0},
         /* 327: request of write_control_parameter_ram_current_pid */
-        {{0x141u, {0xC1u, 0x0Cu, 0x05u, 0x00u, 0xFFu, 0xFFu, 0x07u, 0x00u}}, 1u, 46u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC10C0500u, 0xFFFF0700u}}, 1u, 46, 11, 0, 0, 8, 1, 0},
         /* 328: request of write_control_parameter_ram_current_pid */
-        {{0x141u, {0xC1u, 0x0Cu, 0x05u, 0x00u, 0x06u, 0x00u, 0x00u, 0x80u}}, 1u, 46u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC10C0500u, 0x06000080u}}, 1u, 46, 12, 0, 0, 8, 1, 0},
         /* 329: reply of write_control_parameter_ram_current_pid */
-        {{0x194u, {0xC1u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 47u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC10C0000u}}, 20u, 47, 8, 0, 0, 8, 3, 0},
         /* 330: reply of write_control_parameter_ram_current_pid */
-        {{0x1A0u, {0xC1u, 0x0Cu, 0x05u, 0x06u, 0x03u, 0x04u, 0x01u, 0x02u}}, 32u, 47u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC10C0506u, 0x03040102u}}, 32u, 47, 9, 0, 0, 8, 3, 0},
         /* 331: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 48u, 0u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u}}, 1u, 48, 0, 0, 16, 8, 3, 0},
         /* 332: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 48u, 1u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0x01000000u}}, 1u, 48, 1, 0, 16, 8, 3, 0},
         /* 333: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 1u, 48u, 2u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0x52030000u}}, 1u, 48, 2, 0, 16, 8, 3, 0},
         /* 334: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x53u, 0x03u, 0x00u, 0x00u}}, 1u, 48u, 3u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC11E0000u, 0x53030000u}}, 1u, 48, 3, 0, 16, 8, 1, 0},
         /* 335: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 48u, 4u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC11E0000u, 0xFFFF0000u}}, 1u, 48, 4, 0, 16, 8, 1, 0},
         /* 336: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 48u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u}}, 1u, 48, 0, 0, 5, 8, 3, 0},
         /* 337: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 48u, 1u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0x01000000u}}, 1u, 48, 1, 0, 5, 8, 3, 0},
         /* 338: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 48u, 5u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0xD0070000u}}, 1u, 48, 5, 0, 5, 8, 3, 0},
         /* 339: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 48u, 6u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC11E0000u, 0xD1070000u}}, 1u, 48, 6, 0, 5, 8, 1, 0},
         /* 340: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 48u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC11E0000u, 0xFFFF0000u}}, 1u, 48, 4, 0, 5, 8, 1, 0},
         /* 341: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 48u, 0u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u}}, 1u, 48, 0, 0, 6, 8, 3, 0},
         /* 342: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 48u, 1u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0x01000000u}}, 1u, 48, 1, 0, 6, 8, 3, 0},
         /* 343: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 48u, 5u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0xD0070000u}}, 1u, 48, 5, 0, 6, 8, 3, 0},
         /* 344: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 48u, 6u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC11E0000u, 0xD1070000u}}, 1u, 48, 6, 0, 6, 8, 1, 0},
         /* 345: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 48u, 4u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC11E0000u, 0xFFFF0000u}}, 1u, 48, 4, 0, 6, 8, 1, 0},
         /* 346: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 48u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u}}, 1u, 48, 0, 0, 4, 8, 3, 0},
         /* 347: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 48u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0x01000000u}}, 1u, 48, 1, 0, 4, 8, 3, 0},
         /* 348: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 48u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC11E0000u, 0xD0070000u}}, 1u, 48, 5, 0, 4, 8, 3, 0},
         /* 349: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 48u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC11E0000u, 0xD1070000u}}, 1u, 48, 6, 0, 4, 8, 1, 0},
         /* 350: request of write_control_parameter_ram_max_torque_current */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 48u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC11E0000u, 0xFFFF0000u}}, 1u, 48, 4, 0, 4, 8, 1, 0},
         /* 351: request of write_control_parameter_ram_max_torque_current */
-        {{0x154u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 20u, 48u, 7u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC11E0000u, 0x02010000u}}, 20u, 48, 7, 0, 16, 8, 3, 0},
         /* 352: request of write_control_parameter_ram_max_torque_current */
-        {{0x154u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x03u, 0x02u, 0x00u, 0x00u}}, 20u, 48u, 8u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC11E0000u, 0x03020000u}}, 20u, 48, 8, 0, 4, 8, 3, 0},
         /* 353: request of write_control_parameter_ram_max_torque_current */
-        {{0x142u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x20u, 0x03u, 0x00u, 0x00u}}, 2u, 48u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x142u, {0xC11E0000u, 0x20030000u}}, 2u, 48, 9, 0, 0, 8, 3, 0},
         /* 354: request of write_control_parameter_ram_max_torque_current */
-        {{0x143u, {0xC1u, 0x1Eu, 0x92u, 0x93u, 0x2Cu, 0x01u, 0x96u, 0x97u}}, 3u, 48u, 10u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x143u, {0xC11E9293u, 0x2C019697u}}, 3u, 48, 10, 0, 5, 8, 1, 0},
         /* 355: reply of write_control_parameter_ram_max_torque_current */
-        {{0x181u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 1u, 49u, 2u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0xC11E0000u, 0x52030000u}}, 1u, 49, 2, 0, 16, 8, 3, 0},
         /* 356: reply of write_control_parameter_ram_max_torque_current */
-        {{0x182u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0xA4u, 0x06u, 0x00u, 0x00u}}, 2u, 49u, 11u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x182u, {0xC11E0000u, 0xA4060000u}}, 2u, 49, 11, 0, 4, 8, 3, 0},
         /* 357: request of write_control_parameter_ram_max_speed */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 50u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1200000u}}, 1u, 50, 0, 0, 0, 8, 3, 0},
         /* 358: request of write_control_parameter_ram_max_speed */
-        {{0x154u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 50u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1200000u, 0x01000000u}}, 20u, 50, 1, 0, 0, 8, 3, 0},
         /* 359: request of write_control_parameter_ram_max_speed */
-        {{0x160u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 50u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1200000u, 0xC0270900u}}, 32u, 50, 2, 0, 0, 8, 3, 0},
         /* 360: request of write_control_parameter_ram_max_speed */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 50u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1200000u, 0xA08C0000u}}, 1u, 50, 3, 0, 0, 8, 3, 0},
         /* 361: request of write_control_parameter_ram_max_speed */
-        {{0x154u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x00u}}, 20u, 50u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1200000u, 0x04030200u}}, 20u, 50, 4, 0, 0, 8, 3, 0},
         /* 362: request of write_control_parameter_ram_max_speed */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xC1u, 0x27u, 0x09u, 0x00u}}, 1u, 50u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1200000u, 0xC1270900u}}, 1u, 50, 5, 0, 0, 8, 1, 0},
         /* 363: request of write_control_parameter_ram_max_speed */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 50u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1200000u, 0xFFFFFFFFu}}, 1u, 50, 6, 0, 0, 8, 1, 0},
         /* 364: request of write_control_parameter_ram_max_speed */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x78u, 0x56u, 0x34u, 0x12u}}, 1u, 50u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1200000u, 0x78563412u}}, 1u, 50, 7, 0, 0, 8, 1, 0},
         /* 365: request of write_control_parameter_ram_max_speed */
-        {{0x141u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 50u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1200000u, 0x00000080u}}, 1u, 50, 8, 0, 0, 8, 1, 0},
         /* 366: request of write_control_parameter_ram_max_speed */
-        {{0x145u, {0xC1u, 0x20u, 0x92u, 0x93u, 0x01u, 0x00u, 0x00u, 0x00u}}, 5u, 50u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0xC1209293u, 0x01000000u}}, 5u, 50, 1, 0, 0, 8, 1, 0},
         /* 367: reply of write_control_parameter_ram_max_speed */
-        {{0x194u, {0xC1u, 0x20u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 51u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1200000u, 0x01000000u}}, 20u, 51, 1, 0, 0, 8, 3, 0},
         /* 368: reply of write_control_parameter_ram_max_speed */
-        {{0x1A0u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 51u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1200000u, 0xC0270900u}}, 32u, 51, 2, 0, 0, 8, 3, 0},
         /* 369: request of write_control_parameter_ram_upper_angle */
-        {{0x141u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 1u, 52u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1220000u, 0xFFFFFF7Fu}}, 1u, 52, 0, 0, 0, 8, 3, 0},
         /* 370: request of write_control_parameter_ram_upper_angle */
-        {{0x154u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 52u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1220000u, 0x00000080u}}, 20u, 52, 1, 0, 0, 8, 3, 0},
         /* 371: request of write_control_parameter_ram_upper_angle */
-        {{0x160u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 32u, 52u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1220000u, 0xA08C0000u}}, 32u, 52, 2, 0, 0, 8, 3, 0},
         /* 372: request of write_control_parameter_ram_upper_angle */
-        {{0x141u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 52u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1220000u, 0xFFFFFFFFu}}, 1u, 52, 3, 0, 0, 8, 3, 0},
         /* 373: request of write_control_parameter_ram_upper_angle */
-        {{0x154u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 20u, 52u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1220000u, 0x04030201u}}, 20u, 52, 4, 0, 0, 8, 3, 0},
         /* 374: request of write_control_parameter_ram_upper_angle */
-        {{0x145u, {0xC1u, 0x22u, 0x92u, 0x93u, 0x00u, 0x00u, 0x00u, 0x80u}}, 5u, 52u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0xC1229293u, 0x00000080u}}, 5u, 52, 1, 0, 0, 8, 1, 0},
         /* 375: reply of write_control_parameter_ram_upper_angle */
-        {{0x194u, {0xC1u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 20u, 53u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1220000u, 0x00000080u}}, 20u, 53, 1, 0, 0, 8, 3, 0},
         /* 376: reply of write_control_parameter_ram_upper_angle */
-        {{0x1A0u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 32u, 53u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1220000u, 0xA08C0000u}}, 32u, 53, 2, 0, 0, 8, 3, 0},
         /* 377: request of write_control_parameter_ram_lower_angle */
-        {{0x141u, {0xC1u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 54u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1230000u, 0x00000080u}}, 1u, 54, 0, 0, 0, 8, 3, 0},
         /* 378: request of write_control_parameter_ram_lower_angle */
-        {{0x154u, {0xC1u, 0x23u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 54u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1230000u, 0xFFFFFF7Fu}}, 20u, 54, 1, 0, 0, 8, 3, 0},
         /* 379: request of write_control_parameter_ram_lower_angle */
-        {{0x160u, {0xC1u, 0x23u, 0x00u, 0x00u, 0x60u, 0x73u, 0xFFu, 0xFFu}}, 32u, 54u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1230000u, 0x6073FFFFu}}, 32u, 54, 2, 0, 0, 8, 3, 0},
         /* 380: request of write_control_parameter_ram_lower_angle */
-        {{0x141u, {0xC1u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 54u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1230000u}}, 1u, 54, 3, 0, 0, 8, 3, 0},
         /* 381: request of write_control_parameter_ram_lower_angle */
-        {{0x154u, {0xC1u, 0x23u, 0x00u, 0x00u, 0x01u, 0x02u, 0x03u, 0x04u}}, 20u, 54u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1230000u, 0x01020304u}}, 20u, 54, 4, 0, 0, 8, 3, 0},
         /* 382: request of write_control_parameter_ram_lower_angle */
-        {{0x145u, {0xC1u, 0x23u, 0x92u, 0x93u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 5u, 54u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0xC1239293u, 0xFFFFFF7Fu}}, 5u, 54, 1, 0, 0, 8, 1, 0},
         /* 383: reply of write_control_parameter_ram_lower_angle */
-        {{0x194u, {0xC1u, 0x23u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 20u, 55u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1230000u, 0xFFFFFF7Fu}}, 20u, 55, 1, 0, 0, 8, 3, 0},
         /* 384: reply of write_control_parameter_ram_lower_angle */
-        {{0x1A0u, {0xC1u, 0x23u, 0x00u, 0x00u, 0x60u, 0x73u, 0xFFu, 0xFFu}}, 32u, 55u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1230000u, 0x6073FFFFu}}, 32u, 55, 2, 0, 0, 8, 3, 0},
         /* 385: request of write_control_parameter_ram_speed_ramp */
-        {{0x141u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 56u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1260000u}}, 1u, 56, 0, 0, 0, 8, 3, 0},
         /* 386: request of write_control_parameter_ram_speed_ramp */
-        {{0x154u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 56u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1260000u, 0x01000000u}}, 20u, 56, 1, 0, 0, 8, 3, 0},
         /* 387: request of write_control_parameter_ram_speed_ramp */
-        {{0x160u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 56u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0xC1260000u, 0xC0270900u}}, 32u, 56, 2, 0, 0, 8, 3, 0},
         /* 388: request of write_control_parameter_ram_speed_ramp */
-        {{0x141u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 1u, 56u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0xC1260000u, 0xE8030000u}}, 1u, 56, 3, 0, 0, 8, 3, 0},
         /* 389: request of write_control_parameter_ram_speed_ramp */
-        {{0x154u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x02u, 0x03u, 0x04u, 0x00u}}, 20u, 56u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0xC1260000u, 0x02030400u}}, 20u, 56, 4, 0, 0, 8, 3, 0},
         /* 390: request of write_control_parameter_ram_speed_ramp */
-        {{0x141u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xC1u, 0x27u, 0x09u, 0x00u}}, 1u, 56u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1260000u, 0xC1270900u}}, 1u, 56, 5, 0, 0, 8, 1, 0},
         /* 391: request of write_control_parameter_ram_speed_ramp */
-        {{0x141u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 56u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1260000u, 0xFFFFFFFFu}}, 1u, 56, 6, 0, 0, 8, 1, 0},
         /* 392: request of write_control_parameter_ram_speed_ramp */
-        {{0x141u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x78u, 0x56u, 0x34u, 0x12u}}, 1u, 56u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1260000u, 0x78563412u}}, 1u, 56, 7, 0, 0, 8, 1, 0},
         /* 393: request of write_control_parameter_ram_speed_ramp */
-        {{0x141u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 56u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0xC1260000u, 0x00000080u}}, 1u, 56, 8, 0, 0, 8, 1, 0},
         /* 394: request of write_control_parameter_ram_speed_ramp */
-        {{0x145u, {0xC1u, 0x26u, 0x92u, 0x93u, 0x01u, 0x00u, 0x00u, 0x00u}}, 5u, 56u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0xC1269293u, 0x01000000u}}, 5u, 56, 1, 0, 0, 8, 1, 0},
         /* 395: reply of write_control_parameter_ram_speed_ramp */
-        {{0x194u, {0xC1u, 0x26u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 57u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0xC1260000u, 0x01000000u}}, 20u, 57, 1, 0, 0, 8, 3, 0},
         /* 396: reply of write_control_parameter_ram_speed_ramp */
-        {{0x1A0u, {0xC1u, 0x26u, 0x00u, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 57u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 397: request of read_encoder */
-        {{0x141u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 58u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 398: request of read_encoder */
-        {{0x160u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 58u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 399: request of read_encoder */
-        {{0x141u, {0x90u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 58u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 400: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0x02u, 0x01u, 0x04u, 0x03u, 0x02u, 0x02u}}, 1u, 59u, 0u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 401: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0xFFu, 0x3Fu, 0x00u, 0x00u, 0x01u, 0x00u}}, 1u, 59u, 1u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 402: reply of read_encoder */
-        {{0x194u, {0x90u, 0x00u, 0xFFu, 0x7Fu, 0x34u, 0x12u, 0x00u, 0x40u}}, 20u, 59u, 2u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 403: reply of read_encoder */
-        {{0x1A0u, {0x90u, 0x00u, 0xFFu, 0xFFu, 0x01u, 0x80u, 0x00u, 0x80u}}, 32u, 59u, 3u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 404: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 59u, 4u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 405: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0xCDu, 0xABu, 0xDEu, 0xBCu, 0x11u, 0x11u}}, 1u, 59u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 406: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0x00u, 0x40u, 0x01u, 0x00u, 0x02u, 0x00u}}, 1u, 59u, 6u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 407: reply of read_encoder */
-        {{0x181u, {0x90u, 0x00u, 0x00u, 0x80u, 0x01u, 0x00u, 0x02u, 0x00u}}, 1u, 59u, 7u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 408: reply of read_encoder */
-        {{0x181u, {0x90u, 0x5Au, 0x07u, 0x00u, 0x08u, 0x00u, 0x09u, 0x00u}}, 1u, 59u, 8u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 409: request of calibrate_encoder */
-        {{0x141u, {0x18u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 60u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 410: request of calibrate_encoder */
-        {{0x160u, {0x18u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 60u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 411: request of calibrate_encoder */
-        {{0x141u, {0x18u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 60u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 412: reply of calibrate_encoder */
-        {{0x181u, {0x18u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 61u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 413: reply of calibrate_encoder */
-        {{0x181u, {0x18u, 0x40u, 0xE2u, 0x01u, 0x00u, 0xE8u, 0x03u, 0x01u}}, 1u, 61u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 414: reply of calibrate_encoder */
-        {{0x1A0u, {0x18u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x11u}}, 32u, 61u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 415: reply of calibrate_encoder */
-        {{0x194u, {0x18u, 0x04u, 0x03u, 0x02u, 0x01u, 0x06u, 0x05u, 0x10u}}, 20u, 61u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 416: reply of calibrate_encoder */
-        {{0x181u, {0x18u, 0x84u, 0x83u, 0x82u, 0x81u, 0xE6u, 0x03u, 0x11u}}, 1u, 61u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 417: reply of calibrate_encoder */
-        {{0x182u, {0x18u, 0x01u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x01u}}, 2u, 61u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 418: reply of calibrate_encoder */
-        {{0x181u, {0x18u, 0x05u, 0x00u, 0x00u, 0x00u, 0xE9u, 0x03u, 0x02u}}, 1u, 61u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 419: reply of calibrate_encoder */
-        {{0x181u, {0x18u, 0x05u, 0x00u, 0x00u, 0x00u, 0xE9u, 0x03u, 0x20u}}, 1u, 61u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 420: reply of calibrate_encoder */
-        {{0x181u, {0x18u, 0x05u, 0x00u, 0x00u, 0x00u, 0xE9u, 0x03u, 0xEEu}}, 1u, 61u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 421: reply of calibrate_encoder */
-        {{0x181u, {0x18u, 0x05u, 0x00u, 0x00u, 0x00u, 0xE9u, 0x03u, 0xFFu}}, 1u, 61u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 422: request of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 62u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 423: request of write_position_as_zero_rom */
-        {{0x160u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 62u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0xC1260000u, 0xC0270900u}}, 32u, 57, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0x90000000u}}, 1u, 58, 0, 0, 0, 8, 3, 0}, /* 397: request of read_encoder */
+        {{0x160u, {0x90000000u}}, 32u, 58, 0, 0, 0, 8, 3, 0}, /* 398: request of read_encoder */
+        {{0x141u, {0x90010203u, 0x04050607u}}, 1u, 58, 0, 0, 0, 8, 1, 0}, /* 399: request of read_encoder */
+        {{0x181u, {0x90000201u, 0x04030202u}}, 1u, 59, 0, 0, 17, 8, 3, 0}, /* 400: reply of read_encoder */
+        {{0x181u, {0x9000FF3Fu, 0x00000100u}}, 1u, 59, 1, 0, 17, 8, 3, 0}, /* 401: reply of read_encoder */
+        {{0x194u, {0x9000FF7Fu, 0x34120040u}}, 20u, 59, 2, 0, 18, 8, 3, 0}, /* 402: reply of read_encoder */
+        {{0x1A0u, {0x9000FFFFu, 0x01800080u}}, 32u, 59, 3, 0, 19, 8, 3, 0}, /* 403: reply of read_encoder */
+        {{0x181u, {0x90000000u}}, 1u, 59, 4, 0, 19, 8, 3, 0}, /* 404: reply of read_encoder */
+        {{0x181u, {0x9000CDABu, 0xDEBC1111u}}, 1u, 59, 5, 0, 0, 8, 3, 0}, /* 405: reply of read_encoder */
+        {{0x181u, {0x90000040u, 0x01000200u}}, 1u, 59, 6, 0, 17, 8, 1, 0}, /* 406: reply of read_encoder */
+        {{0x181u, {0x90000080u, 0x01000200u}}, 1u, 59, 7, 0, 18, 8, 1, 0}, /* 407: reply of read_encoder */
+        {{0x181u, {0x905A0700u, 0x08000900u}}, 1u, 59, 8, 0, 19, 8, 1, 0}, /* 408: reply of read_encoder */
+        {{0x141u, {0x18000000u}}, 1u, 60, 0, 0, 0, 8, 3, 0}, /* 409: request of calibrate_encoder */
+        {{0x160u, {0x18000000u}}, 32u, 60, 0, 0, 0, 8, 3, 0}, /* 410: request of calibrate_encoder */
+        {{0x141u, {0x18010203u, 0x04050607u}}, 1u, 60, 0, 0, 0, 8, 1, 0}, /* 411: request of calibrate_encoder */
+        {{0x181u, {0x18000000u}}, 1u, 61, 0, 0, 0, 8, 3, 0}, /* 412: reply of calibrate_encoder */
+        {{0x181u, {0x1840E201u, 0x00E80301u}}, 1u, 61, 1, 0, 0, 8, 3, 0}, /* 413: reply of calibrate_encoder */
+        {{0x1A0u, {0x18FFFFFFu, 0xFFFFFF11u}}, 32u, 61, 2, 0, 0, 8, 3, 0}, /* 414: reply of calibrate_encoder */
+        {{0x194u, {0x18040302u, 0x01060510u}}, 20u, 61, 3, 0, 0, 8, 3, 0}, /* 415: reply of calibrate_encoder */
+        {{0x181u, {0x18848382u, 0x81E60311u}}, 1u, 61, 4, 0, 0, 8, 3, 0}, /* 416: reply of calibrate_encoder */
+        {{0x182u, {0x18010000u, 0x00010001u}}, 2u, 61, 5, 0, 0, 8, 3, 0}, /* 417: reply of calibrate_encoder */
+        {{0x181u, {0x18050000u, 0x00E90302u}}, 1u, 61, 6, 0, 0, 8, 1, 0}, /* 418: reply of calibrate_encoder */
+        {{0x181u, {0x18050000u, 0x00E90320u}}, 1u, 61, 7, 0, 0, 8, 1, 0}, /* 419: reply of calibrate_encoder */
+        {{0x181u, {0x18050000u, 0x00E903EEu}}, 1u, 61, 8, 0, 0, 8, 1, 0}, /* 420: reply of calibrate_encoder */
+        {{0x181u, {0x18050000u, 0x00E903FFu}}, 1u, 61, 9, 0, 0, 8, 1, 0}, /* 421: reply of calibrate_encoder */
+        {{0x141u, {0x19000000u}}, 1u, 62, 0, 0, 0, 8, 3, 0}, /* 422: request of write_position_as_zero_rom */
+        {{0x160u, {0x19000000u}}, 32u, 62, 0, 0, 0, 8, 3, 0}, /* 423: request of write_position_as_zero_rom */
         /* 424: request of write_position_as_zero_rom */
-        {{0x141u, {0x19u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 62u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x19010203u, 0x04050607u}}, 1u, 62, 0, 0, 0, 8, 1, 0},
         /* 425: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x34u, 0x12u}}, 1u, 63u, 0u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x00003412u}}, 1u, 63, 0, 0, 17, 8, 3, 0},
         /* 426: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x3Fu}}, 1u, 63u, 1u, 17u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x0000FF3Fu}}, 1u, 63, 1, 0, 17, 8, 3, 0},
         /* 427: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x7Fu}}, 1u, 63u, 2u, 18u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x0000FF7Fu}}, 1u, 63, 2, 0, 18, 8, 3, 0},
         /* 428: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu}}, 1u, 63u, 3u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 429: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 63u, 4u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x0000FFFFu}}, 1u, 63, 3, 0, 19, 8, 3, 0},
+        {{0x181u, {0x19000000u}}, 1u, 63, 4, 0, 19, 8, 3, 0}, /* 429: reply of write_position_as_zero_rom */
         /* 430: reply of write_position_as_zero_rom */
-        {{0x181u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x40u, 0x9Cu}}, 1u, 63u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x19000000u, 0x0000409Cu}}, 1u, 63, 5, 0, 0, 8, 3, 0},
         /* 431: reply of write_position_as_zero_rom */
-        {{0x194u, {0x19u, 0x41u, 0x42u, 0x43u, 0x44u, 0x45u, 0x01u, 0x02u}}, 20u, 63u, 6u, 19u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 432: request of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 64u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 433: request of read_multi_turn_angle */
-        {{0x160u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 64u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 434: request of read_multi_turn_angle */
-        {{0x141u, {0x92u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 64u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 435: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xD8u, 0xDCu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 65u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 436: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xA0u, 0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 65u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 437: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 65u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 438: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 65u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 439: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 65u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 440: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 1u, 65u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 441: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 65u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 442: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x07u, 0x06u, 0x05u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 65u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 443: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xF9u, 0xF9u, 0xFAu, 0xFBu, 0xFCu, 0xFDu, 0xFEu}}, 1u, 65u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 444: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x20u}}, 1u, 65u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 445: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0x00u, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u, 0x00u}}, 1u, 65u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 446: reply of read_multi_turn_angle */
-        {{0x181u, {0x92u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 65u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 447: reply of read_multi_turn_angle */
-        {{0x1A0u, {0x92u, 0x15u, 0xCDu, 0x5Bu, 0x07u, 0x00u, 0x00u, 0x00u}}, 32u, 65u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 448: request of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 66u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 449: request of read_single_turn_angle */
-        {{0x160u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 66u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 450: request of read_single_turn_angle */
-        {{0x141u, {0x94u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 66u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 451: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0xFFu, 0x45u, 0x05u, 0x00u}}, 1u, 67u, 0u, 20u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 452: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x46u, 0x05u, 0x00u}}, 1u, 67u, 1u, 20u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 453: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0x9Fu, 0x8Cu, 0x00u, 0x00u}}, 1u, 67u, 2u, 21u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 454: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 67u, 3u, 21u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 455: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 67u, 4u, 22u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 456: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0xBFu, 0x4Bu, 0x03u, 0x00u}}, 1u, 67u, 5u, 22u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 457: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0xC0u, 0x4Bu, 0x03u, 0x00u}}, 1u, 67u, 6u, 22u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 458: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 67u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 459: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 67u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 460: reply of read_single_turn_angle */
-        {{0x181u, {0x94u, 0x00u, 0x00u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 67u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 461: reply of read_single_turn_angle */
-        {{0x194u, {0x94u, 0x00u, 0x00u, 0x00u, 0x50u, 0x46u, 0x00u, 0x00u}}, 20u, 67u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 462: reply of read_single_turn_angle */
-        {{0x194u, {0x94u, 0x01u, 0x02u, 0x03u, 0x50u, 0x46u, 0x00u, 0x00u}}, 20u, 67u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 463: request of set_zero_ram */
-        {{0x141u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 68u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 464: request of set_zero_ram */
-        {{0x160u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 68u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 465: request of set_zero_ram */
-        {{0x141u, {0x95u, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 68u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 466: reply of set_zero_ram */
-        {{0x181u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 69u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 467: reply of set_zero_ram */
-        {{0x194u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 69u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 468: request of read_status_1 */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 70u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 469: request of read_status_1 */
-        {{0x160u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 70u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 470: request of read_status_1 */
-        {{0x141u, {0x9Au, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 70u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 471: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x19u, 0x60u, 0x09u, 0x96u, 0x00u, 0x00u, 0x00u}}, 1u, 71u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 472: reply of read_status_1 */
-        {{0x194u, {0x9Au, 0x19u, 0x08u, 0x13u, 0x6Au, 0xFFu, 0x10u, 0x01u}}, 20u, 71u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 473: reply of read_status_1 */
-        {{0x1A0u, {0x9Au, 0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0xFFu}}, 32u, 71u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 474: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x7Fu, 0xFFu, 0x7Fu, 0xFFu, 0x7Fu, 0x10u, 0x00u}}, 1u, 71u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 475: reply of read_status_1 */
-        {{0x194u, {0x9Au, 0xFFu, 0x00u, 0x80u, 0x00u, 0x80u, 0x00u, 0x00u}}, 20u, 71u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 476: reply of read_status_1 */
-        {{0x1A0u, {0x9Au, 0x00u, 0x01u, 0x00u, 0xFFu, 0xFFu, 0x10u, 0x00u}}, 32u, 71u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 477: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x01u, 0xFFu, 0xFFu, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 71u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 478: reply of read_status_1 */
-        {{0x194u, {0x9Au, 0x02u, 0x02u, 0x01u, 0x04u, 0x03u, 0x00u, 0x55u}}, 20u, 71u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 479: reply of read_status_1 */
-        {{0x1A0u, {0x9Au, 0x03u, 0x03u, 0x04u, 0x01u, 0x02u, 0x10u, 0xAAu}}, 32u, 71u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 480: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x00u, 0x00u, 0x00u, 0x01u}}, 1u, 71u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 481: reply of read_status_1 */
-        {{0x194u, {0x9Au, 0x1Eu, 0x61u, 0x09u, 0x01u, 0x00u, 0x00u, 0x02u}}, 20u, 71u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 482: reply of read_status_1 */
-        {{0x1A0u, {0x9Au, 0x1Eu, 0x62u, 0x09u, 0x02u, 0x00u, 0x00u, 0x04u}}, 32u, 71u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 483: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x63u, 0x09u, 0x03u, 0x00u, 0x00u, 0x08u}}, 1u, 71u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 484: reply of read_status_1 */
-        {{0x194u, {0x9Au, 0x1Eu, 0x64u, 0x09u, 0x04u, 0x00u, 0x00u, 0x10u}}, 20u, 71u, 13u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 485: reply of read_status_1 */
-        {{0x1A0u, {0x9Au, 0x1Eu, 0x65u, 0x09u, 0x05u, 0x00u, 0x00u, 0x20u}}, 32u, 71u, 14u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 486: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x66u, 0x09u, 0x06u, 0x00u, 0x00u, 0x40u}}, 1u, 71u, 15u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 487: reply of read_status_1 */
-        {{0x194u, {0x9Au, 0x1Eu, 0x67u, 0x09u, 0x07u, 0x00u, 0x00u, 0x80u}}, 20u, 71u, 16u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 488: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0x01u, 0x06u}}, 1u, 71u, 17u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 489: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0x11u, 0x06u}}, 1u, 71u, 18u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 490: reply of read_status_1 */
-        {{0x181u, {0x9Au, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0xFFu, 0x06u}}, 1u, 71u, 19u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 491: request of clear_errors */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 72u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 492: request of clear_errors */
-        {{0x160u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 72u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 493: request of clear_errors */
-        {{0x141u, {0x9Bu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 72u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 494: reply of clear_errors */
-        {{0x181u, {0x9Bu, 0x19u, 0x60u, 0x09u, 0x96u, 0x00u, 0x00u, 0x00u}}, 1u, 73u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 495: reply of clear_errors */
-        {{0x194u, {0x9Bu, 0x19u, 0x08u, 0x13u, 0x6Au, 0xFFu, 0x10u, 0x01u}}, 20u, 73u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 496: reply of clear_errors */
-        {{0x1A0u, {0x9Bu, 0x02u, 0x02u, 0x01u, 0x04u, 0x03u, 0x00u, 0x55u}}, 32u, 73u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 497: reply of clear_errors */
-        {{0x181u, {0x9Bu, 0x03u, 0x03u, 0x04u, 0x01u, 0x02u, 0x10u, 0xAAu}}, 1u, 73u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 498: reply of clear_errors */
-        {{0x194u, {0x9Bu, 0xD8u, 0x04u, 0x03u, 0x02u, 0x02u, 0x10u, 0x09u}}, 20u, 73u, 20u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 499: reply of clear_errors */
-        {{0x1A0u, {0x9Bu, 0x1Eu, 0x5Fu, 0x09u, 0x03u, 0x00u, 0x00u, 0x80u}}, 32u, 73u, 21u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 500: reply of clear_errors */
-        {{0x181u, {0x9Bu, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0x01u, 0x06u}}, 1u, 73u, 17u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 501: reply of clear_errors */
-        {{0x181u, {0x9Bu, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0x11u, 0x06u}}, 1u, 73u, 18u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 502: reply of clear_errors */
-        {{0x181u, {0x9Bu, 0x1Eu, 0x60u, 0x09u, 0x05u, 0x00u, 0xFFu, 0x06u}}, 1u, 73u, 19u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 503: request of read_status_2 */
-        {{0x141u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 74u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 504: request of read_status_2 */
-        {{0x160u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 74u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 505: request of read_status_2 */
-        {{0x141u, {0x9Cu, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 74u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 506: reply of read_status_2 */
-        {{0x181u, {0x9Cu, 0x28u, 0x09u, 0x03u, 0x18u, 0xFCu, 0x40u, 0x1Fu}}, 1u, 75u, 18u, 1u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 507: reply of read_status_2 */
-        {{0x182u, {0x9Cu, 0x29u, 0xF0u, 0x06u, 0x17u, 0xFCu, 0x41u, 0x1Fu}}, 2u, 75u, 19u, 8u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 508: reply of read_status_2 */
-        {{0x194u, {0x9Cu, 0x2Au, 0xEFu, 0x06u, 0x16u, 0xFCu, 0x42u, 0x1Fu}}, 20u, 75u, 20u, 10u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 509: reply of read_status_2 */
-        {{0x1A0u, {0x9Cu, 0x2Bu, 0xEEu, 0x06u, 0x15u, 0xFCu, 0x43u, 0x1Fu}}, 32u, 75u, 21u, 13u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 510: reply of read_status_2 */
-        {{0x181u, {0x9Cu, 0xECu, 0x00u, 0xF8u, 0xFFu, 0xFFu, 0x01u, 0x00u}}, 1u, 75u, 24u, 14u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 511: request of read_status_3 */
-        {{0x141u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 76u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 512: request of read_status_3 */
-        {{0x160u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 76u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 513: request of read_status_3 */
-        {{0x141u, {0x9Du, 0x01u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 76u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 514: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x19u, 0x40u, 0x00u, 0xC0u, 0xFFu, 0x00u, 0x00u}}, 1u, 77u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 515: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x19u, 0x40u, 0x00u, 0xC0u, 0xFFu, 0x00u, 0x00u}}, 1u, 77u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 516: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x19u, 0x40u, 0x00u, 0xC0u, 0xFFu, 0x00u, 0x00u}}, 1u, 77u, 0u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 517: reply of read_status_3 */
-        {{0x1A0u, {0x9Du, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x01u, 0x00u}}, 32u, 77u, 1u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 518: reply of read_status_3 */
-        {{0x1A0u, {0x9Du, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x01u, 0x00u}}, 32u, 77u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 519: reply of read_status_3 */
-        {{0x1A0u, {0x9Du, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u, 0x01u, 0x00u}}, 32u, 77u, 1u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 520: reply of read_status_3 */
-        {{0x181u, {0x9Du, 0x7Fu, 0xFFu, 0xFFu, 0x02u, 0x01u, 0x04u, 0x03u}}, 1u, 77u, 2u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 521: reply of read_status_3 */
-        {{0x1A0u, {0x9Du, 0x00u, 0x00u, 0x80u, 0xFFu, 0x7Fu, 0x00u, 0x80u}}, 32u, 77u, 3u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 522: reply of read_status_3 */
-        {{0x194u, {0x9Du, 0x15u, 0x01u, 0x08u, 0xFFu, 0xF7u, 0x23u, 0x01u}}, 20u, 77u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 523: request of read_stored_setting_driver_id */
-        {{0x141u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 78u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 524: request of read_stored_setting_driver_id */
-        {{0x160u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 78u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x19414243u, 0x44450102u}}, 20u, 63, 6, 0, 19, 8, 1, 0},
+        {{0x141u, {0x92000000u}}, 1u, 64, 0, 0, 0, 8, 3, 0}, /* 432: request of read_multi_turn_angle */
+        {{0x160u, {0x92000000u}}, 32u, 64, 0, 0, 0, 8, 3, 0}, /* 433: request of read_multi_turn_angle */
+        {{0x141u, {0x92010203u, 0x04050607u}}, 1u, 64, 0, 0, 0, 8, 1, 0}, /* 434: request of read_multi_turn_angle */
+        {{0x181u, {0x92D8DCFFu, 0xFFFFFFFFu}}, 1u, 65, 0, 0, 0, 8, 3, 0}, /* 435: reply of read_multi_turn_angle */
+        {{0x181u, {0x92A08C00u}}, 1u, 65, 1, 0, 0, 8, 3, 0}, /* 436: reply of read_multi_turn_angle */
+        {{0x181u, {0x92000000u}}, 1u, 65, 2, 0, 0, 8, 3, 0}, /* 437: reply of read_multi_turn_angle */
+        {{0x181u, {0x92010000u}}, 1u, 65, 3, 0, 0, 8, 3, 0}, /* 438: reply of read_multi_turn_angle */
+        {{0x181u, {0x92FFFFFFu, 0xFFFFFFFFu}}, 1u, 65, 4, 0, 0, 8, 3, 0}, /* 439: reply of read_multi_turn_angle */
+        {{0x181u, {0x92FFFFFFu, 0xFFFFFF7Fu}}, 1u, 65, 5, 0, 0, 8, 3, 0}, /* 440: reply of read_multi_turn_angle */
+        {{0x181u, {0x92000000u, 0x00000080u}}, 1u, 65, 6, 0, 0, 8, 3, 0}, /* 441: reply of read_multi_turn_angle */
+        {{0x181u, {0x92070605u, 0x04030201u}}, 1u, 65, 7, 0, 0, 8, 3, 0}, /* 442: reply of read_multi_turn_angle */
+        {{0x181u, {0x92F9F9FAu, 0xFBFCFDFEu}}, 1u, 65, 8, 0, 0, 8, 3, 0}, /* 443: reply of read_multi_turn_angle */
+        {{0x181u, {0x92010000u, 0x00000020u}}, 1u, 65, 9, 0, 0, 8, 3, 0}, /* 444: reply of read_multi_turn_angle */
+        {{0x181u, {0x92000000u, 0x80000000u}}, 1u, 65, 10, 0, 0, 8, 3, 0}, /* 445: reply of read_multi_turn_angle */
+        {{0x181u, {0x92FFFFFFu, 0x7FFFFFFFu}}, 1u, 65, 11, 0, 0, 8, 3, 0}, /* 446: reply of read_multi_turn_angle */
+        {{0x1A0u, {0x9215CD5Bu, 0x07000000u}}, 32u, 65, 12, 0, 0, 8, 3, 0}, /* 447: reply of read_multi_turn_angle */
+        {{0x141u, {0x94000000u}}, 1u, 66, 0, 0, 0, 8, 3, 0}, /* 448: request of read_single_turn_angle */
+        {{0x160u, {0x94000000u}}, 32u, 66, 0, 0, 0, 8, 3, 0}, /* 449: request of read_single_turn_angle */
+        {{0x141u, {0x94010203u, 0x04050607u}}, 1u, 66, 0, 0, 0, 8, 1, 0}, /* 450: request of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0xFF450500u}}, 1u, 67, 0, 0, 20, 8, 3, 0}, /* 451: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0x00460500u}}, 1u, 67, 1, 0, 20, 8, 1, 0}, /* 452: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0x9F8C0000u}}, 1u, 67, 2, 0, 21, 8, 3, 0}, /* 453: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0xA08C0000u}}, 1u, 67, 3, 0, 21, 8, 1, 0}, /* 454: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u}}, 1u, 67, 4, 0, 22, 8, 3, 0}, /* 455: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0xBF4B0300u}}, 1u, 67, 5, 0, 22, 8, 3, 0}, /* 456: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0xC04B0300u}}, 1u, 67, 6, 0, 22, 8, 1, 0}, /* 457: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0x01000000u}}, 1u, 67, 7, 0, 0, 8, 3, 0}, /* 458: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0xFFFFFFFFu}}, 1u, 67, 8, 0, 0, 8, 3, 0}, /* 459: reply of read_single_turn_angle */
+        {{0x181u, {0x94000000u, 0x04030201u}}, 1u, 67, 9, 0, 0, 8, 3, 0}, /* 460: reply of read_single_turn_angle */
+        {{0x194u, {0x94000000u, 0x50460000u}}, 20u, 67, 10, 0, 0, 8, 3, 0}, /* 461: reply of read_single_turn_angle */
+        {{0x194u, {0x94010203u, 0x50460000u}}, 20u, 67, 10, 0, 0, 8, 1, 0}, /* 462: reply of read_single_turn_angle */
+        {{0x141u, {0x95000000u}}, 1u, 68, 0, 0, 0, 8, 3, 0}, /* 463: request of set_zero_ram */
+        {{0x160u, {0x95000000u}}, 32u, 68, 0, 0, 0, 8, 3, 0}, /* 464: request of set_zero_ram */
+        {{0x141u, {0x95010203u, 0x04050607u}}, 1u, 68, 0, 0, 0, 8, 1, 0}, /* 465: request of set_zero_ram */
+        {{0x181u, {0x95000000u}}, 1u, 69, 0, 0, 0, 8, 3, 0}, /* 466: reply of set_zero_ram */
+        {{0x194u, {0x95000000u}}, 20u, 69, 0, 0, 0, 8, 3, 0}, /* 467: reply of set_zero_ram */
+        {{0x141u, {0x9A000000u}}, 1u, 70, 0, 0, 0, 8, 3, 0}, /* 468: request of read_status_1 */
+        {{0x160u, {0x9A000000u}}, 32u, 70, 0, 0, 0, 8, 3, 0}, /* 469: request of read_status_1 */
+        {{0x141u, {0x9A010203u, 0x04050607u}}, 1u, 70, 0, 0, 0, 8, 1, 0}, /* 470: request of read_status_1 */
+        {{0x181u, {0x9A196009u, 0x96000000u}}, 1u, 71, 0, 0, 0, 8, 3, 0}, /* 471: reply of read_status_1 */
+        {{0x194u, {0x9A190813u, 0x6AFF1001u}}, 20u, 71, 1, 0, 0, 8, 3, 0}, /* 472: reply of read_status_1 */
+        {{0x1A0u, {0x9A800000u, 0x000000FFu}}, 32u, 71, 2, 0, 0, 8, 3, 0}, /* 473: reply of read_status_1 */
+        {{0x181u, {0x9A7FFF7Fu, 0xFF7F1000u}}, 1u, 71, 3, 0, 0, 8, 3, 0}, /* 474: reply of read_status_1 */
+        {{0x194u, {0x9AFF0080u, 0x00800000u}}, 20u, 71, 4, 0, 0, 8, 3, 0}, /* 475: reply of read_status_1 */
+        {{0x1A0u, {0x9A000100u, 0xFFFF1000u}}, 32u, 71, 5, 0, 0, 8, 3, 0}, /* 476: reply of read_status_1 */
+        {{0x181u, {0x9A01FFFFu, 0x01000000u}}, 1u, 71, 6, 0, 0, 8, 3, 0}, /* 477: reply of read_status_1 */
+        {{0x194u, {0x9A020201u, 0x04030055u}}, 20u, 71, 7, 0, 0, 8, 3, 0}, /* 478: reply of read_status_1 */
+        {{0x1A0u, {0x9A030304u, 0x010210AAu}}, 32u, 71, 8, 0, 0, 8, 3, 0}, /* 479: reply of read_status_1 */
+        {{0x181u, {0x9A1E6009u, 0x00000001u}}, 1u, 71, 9, 0, 0, 8, 3, 0}, /* 480: reply of read_status_1 */
+        {{0x194u, {0x9A1E6109u, 0x01000002u}}, 20u, 71, 10, 0, 0, 8, 3, 0}, /* 481: reply of read_status_1 */
+        {{0x1A0u, {0x9A1E6209u, 0x02000004u}}, 32u, 71, 11, 0, 0, 8, 3, 0}, /* 482: reply of read_status_1 */
+        {{0x181u, {0x9A1E6309u, 0x03000008u}}, 1u, 71, 12, 0, 0, 8, 3, 0}, /* 483: reply of read_status_1 */
+        {{0x194u, {0x9A1E6409u, 0x04000010u}}, 20u, 71, 13, 0, 0, 8, 3, 0}, /* 484: reply of read_status_1 */
+        {{0x1A0u, {0x9A1E6509u, 0x05000020u}}, 32u, 71, 14, 0, 0, 8, 3, 0}, /* 485: reply of read_status_1 */
+        {{0x181u, {0x9A1E6609u, 0x06000040u}}, 1u, 71, 15, 0, 0, 8, 3, 0}, /* 486: reply of read_status_1 */
+        {{0x194u, {0x9A1E6709u, 0x07000080u}}, 20u, 71, 16, 0, 0, 8, 3, 0}, /* 487: reply of read_status_1 */
+        {{0x181u, {0x9A1E6009u, 0x05000106u}}, 1u, 71, 17, 0, 0, 8, 1, 0}, /* 488: reply of read_status_1 */
+        {{0x181u, {0x9A1E6009u, 0x05001106u}}, 1u, 71, 18, 0, 0, 8, 1, 0}, /* 489: reply of read_status_1 */
+        {{0x181u, {0x9A1E6009u, 0x0500FF06u}}, 1u, 71, 19, 0, 0, 8, 1, 0}, /* 490: reply of read_status_1 */
+        {{0x141u, {0x9B000000u}}, 1u, 72, 0, 0, 0, 8, 3, 0}, /* 491: request of clear_errors */
+        {{0x160u, {0x9B000000u}}, 32u, 72, 0, 0, 0, 8, 3, 0}, /* 492: request of clear_errors */
+        {{0x141u, {0x9B010203u, 0x04050607u}}, 1u, 72, 0, 0, 0, 8, 1, 0}, /* 493: request of clear_errors */
+        {{0x181u, {0x9B196009u, 0x96000000u}}, 1u, 73, 0, 0, 0, 8, 3, 0}, /* 494: reply of clear_errors */
+        {{0x194u, {0x9B190813u, 0x6AFF1001u}}, 20u, 73, 1, 0, 0, 8, 3, 0}, /* 495: reply of clear_errors */
+        {{0x1A0u, {0x9B020201u, 0x04030055u}}, 32u, 73, 7, 0, 0, 8, 3, 0}, /* 496: reply of clear_errors */
+        {{0x181u, {0x9B030304u, 0x010210AAu}}, 1u, 73, 8, 0, 0, 8, 3, 0}, /* 497: reply of clear_errors */
+        {{0x194u, {0x9BD80403u, 0x02021009u}}, 20u, 73, 20, 0, 0, 8, 3, 0}, /* 498: reply of clear_errors */
+        {{0x1A0u, {0x9B1E5F09u, 0x03000080u}}, 32u, 73, 21, 0, 0, 8, 3, 0}, /* 499: reply of clear_errors */
+        {{0x181u, {0x9B1E6009u, 0x05000106u}}, 1u, 73, 17, 0, 0, 8, 1, 0}, /* 500: reply of clear_errors */
+        {{0x181u, {0x9B1E6009u, 0x05001106u}}, 1u, 73, 18, 0, 0, 8, 1, 0}, /* 501: reply of clear_errors */
+        {{0x181u, {0x9B1E6009u, 0x0500FF06u}}, 1u, 73, 19, 0, 0, 8, 1, 0}, /* 502: reply of clear_errors */
+        {{0x141u, {0x9C000000u}}, 1u, 74, 0, 0, 0, 8, 3, 0}, /* 503: request of read_status_2 */
+        {{0x160u, {0x9C000000u}}, 32u, 74, 0, 0, 0, 8, 3, 0}, /* 504: request of read_status_2 */
+        {{0x141u, {0x9C010203u, 0x04050607u}}, 1u, 74, 0, 0, 0, 8, 1, 0}, /* 505: request of read_status_2 */
+        {{0x181u, {0x9C280903u, 0x18FC401Fu}}, 1u, 75, 18, 0, 1, 8, 3, 0}, /* 506: reply of read_status_2 */
+        {{0x182u, {0x9C29F006u, 0x17FC411Fu}}, 2u, 75, 19, 0, 8, 8, 3, 0}, /* 507: reply of read_status_2 */
+        {{0x194u, {0x9C2AEF06u, 0x16FC421Fu}}, 20u, 75, 20, 0, 10, 8, 3, 0}, /* 508: reply of read_status_2 */
+        {{0x1A0u, {0x9C2BEE06u, 0x15FC431Fu}}, 32u, 75, 21, 0, 13, 8, 3, 0}, /* 509: reply of read_status_2 */
+        {{0x181u, {0x9CEC00F8u, 0xFFFF0100u}}, 1u, 75, 24, 0, 14, 8, 3, 0}, /* 510: reply of read_status_2 */
+        {{0x141u, {0x9D000000u}}, 1u, 76, 0, 0, 0, 8, 3, 0}, /* 511: request of read_status_3 */
+        {{0x160u, {0x9D000000u}}, 32u, 76, 0, 0, 0, 8, 3, 0}, /* 512: request of read_status_3 */
+        {{0x141u, {0x9D010203u, 0x04050607u}}, 1u, 76, 0, 0, 0, 8, 1, 0}, /* 513: request of read_status_3 */
+        {{0x181u, {0x9D194000u, 0xC0FF0000u}}, 1u, 77, 0, 0, 5, 8, 3, 0}, /* 514: reply of read_status_3 */
+        {{0x181u, {0x9D194000u, 0xC0FF0000u}}, 1u, 77, 0, 0, 4, 8, 3, 0}, /* 515: reply of read_status_3 */
+        {{0x181u, {0x9D194000u, 0xC0FF0000u}}, 1u, 77, 0, 0, 6, 8, 3, 0}, /* 516: reply of read_status_3 */
+        {{0x1A0u, {0x9D80FF7Fu, 0x00800100u}}, 32u, 77, 1, 0, 5, 8, 3, 0}, /* 517: reply of read_status_3 */
+        {{0x1A0u, {0x9D80FF7Fu, 0x00800100u}}, 32u, 77, 1, 0, 4, 8, 3, 0}, /* 518: reply of read_status_3 */
+        {{0x1A0u, {0x9D80FF7Fu, 0x00800100u}}, 32u, 77, 1, 0, 6, 8, 3, 0}, /* 519: reply of read_status_3 */
+        {{0x181u, {0x9D7FFFFFu, 0x02010403u}}, 1u, 77, 2, 0, 4, 8, 3, 0}, /* 520: reply of read_status_3 */
+        {{0x1A0u, {0x9D000080u, 0xFF7F0080u}}, 32u, 77, 3, 0, 4, 8, 3, 0}, /* 521: reply of read_status_3 */
+        {{0x194u, {0x9D150108u, 0xFFF72301u}}, 20u, 77, 4, 0, 0, 8, 3, 0}, /* 522: reply of read_status_3 */
+        {{0x141u, {0x40050A00u}}, 1u, 78, 0, 0, 0, 8, 3, 0}, /* 523: request of read_stored_setting_driver_id */
+        {{0x160u, {0x40050A00u}}, 32u, 78, 0, 0, 0, 8, 3, 0}, /* 524: request of read_stored_setting_driver_id */
         /* 525: request of read_stored_setting_driver_id */
-        {{0x141u, {0x40u, 0x05u, 0x0Au, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 78u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 526: reply of read_stored_setting_driver_id */
-        {{0x181u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 79u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x40050A03u, 0x04050607u}}, 1u, 78, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0x40050A00u}}, 1u, 79, 0, 0, 0, 8, 3, 0}, /* 526: reply of read_stored_setting_driver_id */
         /* 527: reply of read_stored_setting_driver_id */
-        {{0x194u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 79u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x40050A00u, 0x01000000u}}, 20u, 79, 1, 0, 0, 8, 3, 0},
         /* 528: reply of read_stored_setting_driver_id */
-        {{0x1A0u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x20u, 0x00u, 0x00u, 0x00u}}, 32u, 79u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x40050A00u, 0x20000000u}}, 32u, 79, 2, 0, 0, 8, 3, 0},
         /* 529: reply of read_stored_setting_driver_id */
-        {{0x181u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x14u, 0x00u, 0x00u, 0x00u}}, 1u, 79u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x40050A00u, 0x14000000u}}, 1u, 79, 3, 0, 0, 8, 3, 0},
         /* 530: reply of read_stored_setting_driver_id */
-        {{0x181u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x21u, 0x00u, 0x00u, 0x00u}}, 1u, 79u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x40050A00u, 0x21000000u}}, 1u, 79, 4, 0, 0, 8, 1, 0},
         /* 531: reply of read_stored_setting_driver_id */
-        {{0x181u, {0x40u, 0x05u, 0x0Au, 0x00u, 0xFFu, 0x00u, 0x00u, 0x00u}}, 1u, 79u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x40050A00u, 0xFF000000u}}, 1u, 79, 5, 0, 0, 8, 1, 0},
         /* 532: reply of read_stored_setting_driver_id */
-        {{0x185u, {0x40u, 0x05u, 0x0Au, 0x93u, 0x01u, 0x95u, 0x96u, 0x97u}}, 5u, 79u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 533: request of read_stored_setting_bus_type */
-        {{0x141u, {0x40u, 0x05u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 80u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 534: request of read_stored_setting_bus_type */
-        {{0x160u, {0x40u, 0x05u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 80u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0x40050A93u, 0x01959697u}}, 5u, 79, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0x40050B00u}}, 1u, 80, 0, 0, 0, 8, 3, 0}, /* 533: request of read_stored_setting_bus_type */
+        {{0x160u, {0x40050B00u}}, 32u, 80, 0, 0, 0, 8, 3, 0}, /* 534: request of read_stored_setting_bus_type */
         /* 535: request of read_stored_setting_bus_type */
-        {{0x141u, {0x40u, 0x05u, 0x0Bu, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 80u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 536: reply of read_stored_setting_bus_type */
-        {{0x181u, {0x40u, 0x05u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 81u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x40050B03u, 0x04050607u}}, 1u, 80, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0x40050B00u}}, 1u, 81, 0, 0, 0, 8, 3, 0}, /* 536: reply of read_stored_setting_bus_type */
         /* 537: reply of read_stored_setting_bus_type */
-        {{0x194u, {0x40u, 0x05u, 0x0Bu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 81u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x40050B00u, 0x01000000u}}, 20u, 81, 1, 0, 0, 8, 3, 0},
         /* 538: reply of read_stored_setting_bus_type */
-        {{0x1A0u, {0x40u, 0x05u, 0x0Bu, 0x00u, 0x02u, 0x00u, 0x00u, 0x00u}}, 32u, 81u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x40050B00u, 0x02000000u}}, 32u, 81, 2, 0, 0, 8, 3, 0},
         /* 539: reply of read_stored_setting_bus_type */
-        {{0x181u, {0x40u, 0x05u, 0x0Bu, 0x00u, 0x03u, 0x00u, 0x00u, 0x00u}}, 1u, 81u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x40050B00u, 0x03000000u}}, 1u, 81, 3, 0, 0, 8, 1, 0},
         /* 540: reply of read_stored_setting_bus_type */
-        {{0x181u, {0x40u, 0x05u, 0x0Bu, 0x00u, 0xFFu, 0x00u, 0x00u, 0x00u}}, 1u, 81u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x40050B00u, 0xFF000000u}}, 1u, 81, 4, 0, 0, 8, 1, 0},
         /* 541: reply of read_stored_setting_bus_type */
-        {{0x185u, {0x40u, 0x05u, 0x0Bu, 0x93u, 0x01u, 0x95u, 0x96u, 0x97u}}, 5u, 81u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 542: request of read_stored_setting_rs485_baud_rate */
-        {{0x141u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 82u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0x40050B93u, 0x01959697u}}, 5u, 81, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0x40050C00u}}, 1u, 82, 0, 0, 0, 8, 3, 0}, /* 542: request of read_stored_setting_rs485_baud_rate */
         /* 543: request of read_stored_setting_rs485_baud_rate */
-        {{0x160u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 82u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x40050C00u}}, 32u, 82, 0, 0, 0, 8, 3, 0},
         /* 544: request of read_stored_setting_rs485_baud_rate */
-        {{0x141u, {0x40u, 0x05u, 0x0Cu, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 82u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 545: reply of read_stored_setting_rs485_baud_rate */
-        {{0x181u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 83u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x40050C03u, 0x04050607u}}, 1u, 82, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0x40050C00u}}, 1u, 83, 0, 0, 0, 8, 3, 0}, /* 545: reply of read_stored_setting_rs485_baud_rate */
         /* 546: reply of read_stored_setting_rs485_baud_rate */
-        {{0x194u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 83u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x40050C00u, 0x01000000u}}, 20u, 83, 1, 0, 0, 8, 3, 0},
         /* 547: reply of read_stored_setting_rs485_baud_rate */
-        {{0x1A0u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x02u, 0x00u, 0x00u, 0x00u}}, 32u, 83u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x40050C00u, 0x02000000u}}, 32u, 83, 2, 0, 0, 8, 3, 0},
         /* 548: reply of read_stored_setting_rs485_baud_rate */
-        {{0x181u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x03u, 0x00u, 0x00u, 0x00u}}, 1u, 83u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x40050C00u, 0x03000000u}}, 1u, 83, 3, 0, 0, 8, 3, 0},
         /* 549: reply of read_stored_setting_rs485_baud_rate */
-        {{0x194u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x04u, 0x00u, 0x00u, 0x00u}}, 20u, 83u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x40050C00u, 0x04000000u}}, 20u, 83, 4, 0, 0, 8, 3, 0},
         /* 550: reply of read_stored_setting_rs485_baud_rate */
-        {{0x1A0u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x05u, 0x00u, 0x00u, 0x00u}}, 32u, 83u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x40050C00u, 0x05000000u}}, 32u, 83, 5, 0, 0, 8, 3, 0},
         /* 551: reply of read_stored_setting_rs485_baud_rate */
-        {{0x181u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x06u, 0x00u, 0x00u, 0x00u}}, 1u, 83u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x40050C00u, 0x06000000u}}, 1u, 83, 6, 0, 0, 8, 3, 0},
         /* 552: reply of read_stored_setting_rs485_baud_rate */
-        {{0x194u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x07u, 0x00u, 0x00u, 0x00u}}, 20u, 83u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x40050C00u, 0x07000000u}}, 20u, 83, 7, 0, 0, 8, 3, 0},
         /* 553: reply of read_stored_setting_rs485_baud_rate */
-        {{0x1A0u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x08u, 0x00u, 0x00u, 0x00u}}, 32u, 83u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x40050C00u, 0x08000000u}}, 32u, 83, 8, 0, 0, 8, 3, 0},
         /* 554: reply of read_stored_setting_rs485_baud_rate */
-        {{0x181u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x09u, 0x00u, 0x00u, 0x00u}}, 1u, 83u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x40050C00u, 0x09000000u}}, 1u, 83, 9, 0, 0, 8, 3, 0},
         /* 555: reply of read_stored_setting_rs485_baud_rate */
-        {{0x194u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x0Au, 0x00u, 0x00u, 0x00u}}, 20u, 83u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x40050C00u, 0x0A000000u}}, 20u, 83, 10, 0, 0, 8, 3, 0},
         /* 556: reply of read_stored_setting_rs485_baud_rate */
-        {{0x181u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x0Bu, 0x00u, 0x00u, 0x00u}}, 1u, 83u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x40050C00u, 0x0B000000u}}, 1u, 83, 11, 0, 0, 8, 1, 0},
         /* 557: reply of read_stored_setting_rs485_baud_rate */
-        {{0x181u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0xFFu, 0x00u, 0x00u, 0x00u}}, 1u, 83u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x40050C00u, 0xFF000000u}}, 1u, 83, 12, 0, 0, 8, 1, 0},
         /* 558: reply of read_stored_setting_rs485_baud_rate */
-        {{0x185u, {0x40u, 0x05u, 0x0Cu, 0x93u, 0x01u, 0x95u, 0x96u, 0x97u}}, 5u, 83u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 559: request of read_stored_setting_can_baud_rate */
-        {{0x141u, {0x40u, 0x05u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 84u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 560: request of read_stored_setting_can_baud_rate */
-        {{0x160u, {0x40u, 0x05u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 84u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0x40050C93u, 0x01959697u}}, 5u, 83, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0x40050D00u}}, 1u, 84, 0, 0, 0, 8, 3, 0}, /* 559: request of read_stored_setting_can_baud_rate */
+        {{0x160u, {0x40050D00u}}, 32u, 84, 0, 0, 0, 8, 3, 0}, /* 560: request of read_stored_setting_can_baud_rate */
         /* 561: request of read_stored_setting_can_baud_rate */
-        {{0x141u, {0x40u, 0x05u, 0x0Du, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 84u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 562: reply of read_stored_setting_can_baud_rate */
-        {{0x181u, {0x40u, 0x05u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 85u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x40050D03u, 0x04050607u}}, 1u, 84, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0x40050D00u}}, 1u, 85, 0, 0, 0, 8, 3, 0}, /* 562: reply of read_stored_setting_can_baud_rate */
         /* 563: reply of read_stored_setting_can_baud_rate */
-        {{0x194u, {0x40u, 0x05u, 0x0Du, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 85u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x40050D00u, 0x01000000u}}, 20u, 85, 1, 0, 0, 8, 3, 0},
         /* 564: reply of read_stored_setting_can_baud_rate */
-        {{0x1A0u, {0x40u, 0x05u, 0x0Du, 0x00u, 0x02u, 0x00u, 0x00u, 0x00u}}, 32u, 85u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x40050D00u, 0x02000000u}}, 32u, 85, 2, 0, 0, 8, 3, 0},
         /* 565: reply of read_stored_setting_can_baud_rate */
-        {{0x181u, {0x40u, 0x05u, 0x0Du, 0x00u, 0x03u, 0x00u, 0x00u, 0x00u}}, 1u, 85u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x40050D00u, 0x03000000u}}, 1u, 85, 3, 0, 0, 8, 3, 0},
         /* 566: reply of read_stored_setting_can_baud_rate */
-        {{0x194u, {0x40u, 0x05u, 0x0Du, 0x00u, 0x04u, 0x00u, 0x00u, 0x00u}}, 20u, 85u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x40050D00u, 0x04000000u}}, 20u, 85, 4, 0, 0, 8, 3, 0},
         /* 567: reply of read_stored_setting_can_baud_rate */
-        {{0x181u, {0x40u, 0x05u, 0x0Du, 0x00u, 0x05u, 0x00u, 0x00u, 0x00u}}, 1u, 85u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x40050D00u, 0x05000000u}}, 1u, 85, 5, 0, 0, 8, 1, 0},
         /* 568: reply of read_stored_setting_can_baud_rate */
-        {{0x181u, {0x40u, 0x05u, 0x0Du, 0x00u, 0xFFu, 0x00u, 0x00u, 0x00u}}, 1u, 85u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x40050D00u, 0xFF000000u}}, 1u, 85, 6, 0, 0, 8, 1, 0},
         /* 569: reply of read_stored_setting_can_baud_rate */
-        {{0x185u, {0x40u, 0x05u, 0x0Du, 0x93u, 0x01u, 0x95u, 0x96u, 0x97u}}, 5u, 85u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 570: request of read_stored_setting_max_power */
-        {{0x141u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 86u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 571: request of read_stored_setting_max_power */
-        {{0x160u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 86u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0x40050D93u, 0x01959697u}}, 5u, 85, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0x4005B000u}}, 1u, 86, 0, 0, 0, 8, 3, 0}, /* 570: request of read_stored_setting_max_power */
+        {{0x160u, {0x4005B000u}}, 32u, 86, 0, 0, 0, 8, 3, 0}, /* 571: request of read_stored_setting_max_power */
         /* 572: request of read_stored_setting_max_power */
-        {{0x141u, {0x40u, 0x05u, 0xB0u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 86u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 573: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 87u, 0u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4005B003u, 0x04050607u}}, 1u, 86, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0x4005B000u}}, 1u, 87, 0, 0, 16, 8, 3, 0}, /* 573: reply of read_stored_setting_max_power */
         /* 574: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 87u, 1u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0x01000000u}}, 1u, 87, 1, 0, 16, 8, 3, 0},
         /* 575: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 1u, 87u, 2u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0x52030000u}}, 1u, 87, 2, 0, 16, 8, 3, 0},
         /* 576: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x53u, 0x03u, 0x00u, 0x00u}}, 1u, 87u, 3u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B000u, 0x53030000u}}, 1u, 87, 3, 0, 16, 8, 1, 0},
         /* 577: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 87u, 4u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 578: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 87u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0xFFFF0000u}}, 1u, 87, 4, 0, 16, 8, 1, 0},
+        {{0x181u, {0x4005B000u}}, 1u, 87, 0, 0, 5, 8, 3, 0}, /* 578: reply of read_stored_setting_max_power */
         /* 579: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 87u, 1u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0x01000000u}}, 1u, 87, 1, 0, 5, 8, 3, 0},
         /* 580: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 87u, 5u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0xD0070000u}}, 1u, 87, 5, 0, 5, 8, 3, 0},
         /* 581: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 87u, 6u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B000u, 0xD1070000u}}, 1u, 87, 6, 0, 5, 8, 1, 0},
         /* 582: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 87u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 583: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 87u, 0u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0xFFFF0000u}}, 1u, 87, 4, 0, 5, 8, 1, 0},
+        {{0x181u, {0x4005B000u}}, 1u, 87, 0, 0, 6, 8, 3, 0}, /* 583: reply of read_stored_setting_max_power */
         /* 584: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 87u, 1u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0x01000000u}}, 1u, 87, 1, 0, 6, 8, 3, 0},
         /* 585: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 87u, 5u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0xD0070000u}}, 1u, 87, 5, 0, 6, 8, 3, 0},
         /* 586: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 87u, 6u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B000u, 0xD1070000u}}, 1u, 87, 6, 0, 6, 8, 1, 0},
         /* 587: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 87u, 4u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 588: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 87u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0xFFFF0000u}}, 1u, 87, 4, 0, 6, 8, 1, 0},
+        {{0x181u, {0x4005B000u}}, 1u, 87, 0, 0, 4, 8, 3, 0}, /* 588: reply of read_stored_setting_max_power */
         /* 589: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 87u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0x01000000u}}, 1u, 87, 1, 0, 4, 8, 3, 0},
         /* 590: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 87u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B000u, 0xD0070000u}}, 1u, 87, 5, 0, 4, 8, 3, 0},
         /* 591: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 87u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B000u, 0xD1070000u}}, 1u, 87, 6, 0, 4, 8, 1, 0},
         /* 592: reply of read_stored_setting_max_power */
-        {{0x181u, {0x40u, 0x05u, 0xB0u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 87u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B000u, 0xFFFF0000u}}, 1u, 87, 4, 0, 4, 8, 1, 0},
         /* 593: reply of read_stored_setting_max_power */
-        {{0x194u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 20u, 87u, 7u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4005B000u, 0x02010000u}}, 20u, 87, 7, 0, 16, 8, 3, 0},
         /* 594: reply of read_stored_setting_max_power */
-        {{0x194u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x03u, 0x02u, 0x00u, 0x00u}}, 20u, 87u, 8u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4005B000u, 0x03020000u}}, 20u, 87, 8, 0, 4, 8, 3, 0},
         /* 595: reply of read_stored_setting_max_power */
-        {{0x182u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x20u, 0x03u, 0x00u, 0x00u}}, 2u, 87u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x182u, {0x4005B000u, 0x20030000u}}, 2u, 87, 9, 0, 0, 8, 3, 0},
         /* 596: reply of read_stored_setting_max_power */
-        {{0x183u, {0x40u, 0x05u, 0xB0u, 0x93u, 0x2Cu, 0x01u, 0x96u, 0x97u}}, 3u, 87u, 10u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 597: request of read_stored_setting_max_speed */
-        {{0x141u, {0x40u, 0x05u, 0xB2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 88u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 598: request of read_stored_setting_max_speed */
-        {{0x160u, {0x40u, 0x05u, 0xB2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 88u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x183u, {0x4005B093u, 0x2C019697u}}, 3u, 87, 10, 0, 5, 8, 1, 0},
+        {{0x141u, {0x4005B200u}}, 1u, 88, 0, 0, 0, 8, 3, 0}, /* 597: request of read_stored_setting_max_speed */
+        {{0x160u, {0x4005B200u}}, 32u, 88, 0, 0, 0, 8, 3, 0}, /* 598: request of read_stored_setting_max_speed */
         /* 599: request of read_stored_setting_max_speed */
-        {{0x141u, {0x40u, 0x05u, 0xB2u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 88u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 600: reply of read_stored_setting_max_speed */
-        {{0x181u, {0x40u, 0x05u, 0xB2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 89u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4005B203u, 0x04050607u}}, 1u, 88, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0x4005B200u}}, 1u, 89, 0, 0, 0, 8, 3, 0}, /* 600: reply of read_stored_setting_max_speed */
         /* 601: reply of read_stored_setting_max_speed */
-        {{0x194u, {0x40u, 0x05u, 0xB2u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 89u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4005B200u, 0x01000000u}}, 20u, 89, 1, 0, 0, 8, 3, 0},
         /* 602: reply of read_stored_setting_max_speed */
-        {{0x1A0u, {0x40u, 0x05u, 0xB2u, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 89u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x4005B200u, 0xC0270900u}}, 32u, 89, 2, 0, 0, 8, 3, 0},
         /* 603: reply of read_stored_setting_max_speed */
-        {{0x181u, {0x40u, 0x05u, 0xB2u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 89u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B200u, 0xA08C0000u}}, 1u, 89, 3, 0, 0, 8, 3, 0},
         /* 604: reply of read_stored_setting_max_speed */
-        {{0x194u, {0x40u, 0x05u, 0xB2u, 0x00u, 0x04u, 0x03u, 0x02u, 0x00u}}, 20u, 89u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4005B200u, 0x04030200u}}, 20u, 89, 4, 0, 0, 8, 3, 0},
         /* 605: reply of read_stored_setting_max_speed */
-        {{0x181u, {0x40u, 0x05u, 0xB2u, 0x00u, 0xC1u, 0x27u, 0x09u, 0x00u}}, 1u, 89u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B200u, 0xC1270900u}}, 1u, 89, 5, 0, 0, 8, 1, 0},
         /* 606: reply of read_stored_setting_max_speed */
-        {{0x181u, {0x40u, 0x05u, 0xB2u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 89u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B200u, 0xFFFFFFFFu}}, 1u, 89, 6, 0, 0, 8, 1, 0},
         /* 607: reply of read_stored_setting_max_speed */
-        {{0x181u, {0x40u, 0x05u, 0xB2u, 0x00u, 0x78u, 0x56u, 0x34u, 0x12u}}, 1u, 89u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B200u, 0x78563412u}}, 1u, 89, 7, 0, 0, 8, 1, 0},
         /* 608: reply of read_stored_setting_max_speed */
-        {{0x181u, {0x40u, 0x05u, 0xB2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 89u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B200u, 0x00000080u}}, 1u, 89, 8, 0, 0, 8, 1, 0},
         /* 609: reply of read_stored_setting_max_speed */
-        {{0x185u, {0x40u, 0x05u, 0xB2u, 0x93u, 0x01u, 0x00u, 0x00u, 0x00u}}, 5u, 89u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 610: request of read_stored_setting_max_angle */
-        {{0x141u, {0x40u, 0x05u, 0xB4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 90u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 611: request of read_stored_setting_max_angle */
-        {{0x160u, {0x40u, 0x05u, 0xB4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 90u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0x4005B293u, 0x01000000u}}, 5u, 89, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0x4005B400u}}, 1u, 90, 0, 0, 0, 8, 3, 0}, /* 610: request of read_stored_setting_max_angle */
+        {{0x160u, {0x4005B400u}}, 32u, 90, 0, 0, 0, 8, 3, 0}, /* 611: request of read_stored_setting_max_angle */
         /* 612: request of read_stored_setting_max_angle */
-        {{0x141u, {0x40u, 0x05u, 0xB4u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 90u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 613: reply of read_stored_setting_max_angle */
-        {{0x181u, {0x40u, 0x05u, 0xB4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 91u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4005B403u, 0x04050607u}}, 1u, 90, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0x4005B400u}}, 1u, 91, 0, 0, 0, 8, 3, 0}, /* 613: reply of read_stored_setting_max_angle */
         /* 614: reply of read_stored_setting_max_angle */
-        {{0x194u, {0x40u, 0x05u, 0xB4u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 91u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4005B400u, 0x01000000u}}, 20u, 91, 1, 0, 0, 8, 3, 0},
         /* 615: reply of read_stored_setting_max_angle */
-        {{0x1A0u, {0x40u, 0x05u, 0xB4u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 91u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x4005B400u, 0xFFFFFF7Fu}}, 32u, 91, 2, 0, 0, 8, 3, 0},
         /* 616: reply of read_stored_setting_max_angle */
-        {{0x181u, {0x40u, 0x05u, 0xB4u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 91u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005B400u, 0x04030201u}}, 1u, 91, 3, 0, 0, 8, 3, 0},
         /* 617: reply of read_stored_setting_max_angle */
-        {{0x181u, {0x40u, 0x05u, 0xB4u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 91u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B400u, 0xFFFFFFFFu}}, 1u, 91, 4, 0, 0, 8, 1, 0},
         /* 618: reply of read_stored_setting_max_angle */
-        {{0x181u, {0x40u, 0x05u, 0xB4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 91u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005B400u, 0x00000080u}}, 1u, 91, 5, 0, 0, 8, 1, 0},
         /* 619: reply of read_stored_setting_max_angle */
-        {{0x185u, {0x40u, 0x05u, 0xB4u, 0x93u, 0x01u, 0x00u, 0x00u, 0x00u}}, 5u, 91u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 620: request of read_stored_setting_current_ramp */
-        {{0x141u, {0x40u, 0x05u, 0xBAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 92u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 621: request of read_stored_setting_current_ramp */
-        {{0x160u, {0x40u, 0x05u, 0xBAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 92u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0x4005B493u, 0x01000000u}}, 5u, 91, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0x4005BA00u}}, 1u, 92, 0, 0, 0, 8, 3, 0}, /* 620: request of read_stored_setting_current_ramp */
+        {{0x160u, {0x4005BA00u}}, 32u, 92, 0, 0, 0, 8, 3, 0}, /* 621: request of read_stored_setting_current_ramp */
         /* 622: request of read_stored_setting_current_ramp */
-        {{0x141u, {0x40u, 0x05u, 0xBAu, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 92u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 623: reply of read_stored_setting_current_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 93u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4005BA03u, 0x04050607u}}, 1u, 92, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0x4005BA00u}}, 1u, 93, 0, 0, 0, 8, 3, 0}, /* 623: reply of read_stored_setting_current_ramp */
         /* 624: reply of read_stored_setting_current_ramp */
-        {{0x194u, {0x40u, 0x05u, 0xBAu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 93u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4005BA00u, 0x01000000u}}, 20u, 93, 1, 0, 0, 8, 3, 0},
         /* 625: reply of read_stored_setting_current_ramp */
-        {{0x1A0u, {0x40u, 0x05u, 0xBAu, 0x00u, 0x30u, 0x75u, 0x00u, 0x00u}}, 32u, 93u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x4005BA00u, 0x30750000u}}, 32u, 93, 2, 0, 0, 8, 3, 0},
         /* 626: reply of read_stored_setting_current_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBAu, 0x00u, 0x01u, 0x02u, 0x00u, 0x00u}}, 1u, 93u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005BA00u, 0x01020000u}}, 1u, 93, 3, 0, 0, 8, 3, 0},
         /* 627: reply of read_stored_setting_current_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBAu, 0x00u, 0x31u, 0x75u, 0x00u, 0x00u}}, 1u, 93u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005BA00u, 0x31750000u}}, 1u, 93, 4, 0, 0, 8, 1, 0},
         /* 628: reply of read_stored_setting_current_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBAu, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 93u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005BA00u, 0xFFFF0000u}}, 1u, 93, 5, 0, 0, 8, 1, 0},
         /* 629: reply of read_stored_setting_current_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBAu, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u}}, 1u, 93u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005BA00u, 0x00800000u}}, 1u, 93, 6, 0, 0, 8, 1, 0},
         /* 630: reply of read_stored_setting_current_ramp */
-        {{0x185u, {0x40u, 0x05u, 0xBAu, 0x93u, 0x01u, 0x00u, 0x96u, 0x97u}}, 5u, 93u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 631: request of read_stored_setting_speed_ramp */
-        {{0x141u, {0x40u, 0x05u, 0xBCu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 94u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 632: request of read_stored_setting_speed_ramp */
-        {{0x160u, {0x40u, 0x05u, 0xBCu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 94u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0x4005BA93u, 0x01009697u}}, 5u, 93, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0x4005BC00u}}, 1u, 94, 0, 0, 0, 8, 3, 0}, /* 631: request of read_stored_setting_speed_ramp */
+        {{0x160u, {0x4005BC00u}}, 32u, 94, 0, 0, 0, 8, 3, 0}, /* 632: request of read_stored_setting_speed_ramp */
         /* 633: request of read_stored_setting_speed_ramp */
-        {{0x141u, {0x40u, 0x05u, 0xBCu, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 94u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 634: reply of read_stored_setting_speed_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBCu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 95u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4005BC03u, 0x04050607u}}, 1u, 94, 0, 0, 0, 8, 1, 0},
+        {{0x181u, {0x4005BC00u}}, 1u, 95, 0, 0, 0, 8, 3, 0}, /* 634: reply of read_stored_setting_speed_ramp */
         /* 635: reply of read_stored_setting_speed_ramp */
-        {{0x194u, {0x40u, 0x05u, 0xBCu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 95u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4005BC00u, 0x01000000u}}, 20u, 95, 1, 0, 0, 8, 3, 0},
         /* 636: reply of read_stored_setting_speed_ramp */
-        {{0x1A0u, {0x40u, 0x05u, 0xBCu, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 95u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x4005BC00u, 0xC0270900u}}, 32u, 95, 2, 0, 0, 8, 3, 0},
         /* 637: reply of read_stored_setting_speed_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBCu, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 1u, 95u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4005BC00u, 0xE8030000u}}, 1u, 95, 3, 0, 0, 8, 3, 0},
         /* 638: reply of read_stored_setting_speed_ramp */
-        {{0x194u, {0x40u, 0x05u, 0xBCu, 0x00u, 0x02u, 0x03u, 0x04u, 0x00u}}, 20u, 95u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4005BC00u, 0x02030400u}}, 20u, 95, 4, 0, 0, 8, 3, 0},
         /* 639: reply of read_stored_setting_speed_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBCu, 0x00u, 0xC1u, 0x27u, 0x09u, 0x00u}}, 1u, 95u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005BC00u, 0xC1270900u}}, 1u, 95, 5, 0, 0, 8, 1, 0},
         /* 640: reply of read_stored_setting_speed_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBCu, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 95u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005BC00u, 0xFFFFFFFFu}}, 1u, 95, 6, 0, 0, 8, 1, 0},
         /* 641: reply of read_stored_setting_speed_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBCu, 0x00u, 0x78u, 0x56u, 0x34u, 0x12u}}, 1u, 95u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005BC00u, 0x78563412u}}, 1u, 95, 7, 0, 0, 8, 1, 0},
         /* 642: reply of read_stored_setting_speed_ramp */
-        {{0x181u, {0x40u, 0x05u, 0xBCu, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 95u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x181u, {0x4005BC00u, 0x00000080u}}, 1u, 95, 8, 0, 0, 8, 1, 0},
         /* 643: reply of read_stored_setting_speed_ramp */
-        {{0x185u, {0x40u, 0x05u, 0xBCu, 0x93u, 0x01u, 0x00u, 0x00u, 0x00u}}, 5u, 95u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 644: request of read_stored_setting_angle_pid */
-        {{0x141u, {0x40u, 0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 96u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 645: request of read_stored_setting_angle_pid */
-        {{0x160u, {0x40u, 0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 96u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x185u, {0x4005BC93u, 0x01000000u}}, 5u, 95, 1, 0, 0, 8, 1, 0},
+        {{0x141u, {0x40A00000u}}, 1u, 96, 0, 0, 0, 8, 3, 0}, /* 644: request of read_stored_setting_angle_pid */
+        {{0x160u, {0x40A00000u}}, 32u, 96, 0, 0, 0, 8, 3, 0}, /* 645: request of read_stored_setting_angle_pid */
         /* 646: request of read_stored_setting_angle_pid */
-        {{0x141u, {0x40u, 0xA0u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 96u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x40A00203u, 0x04050607u}}, 1u, 96, 0, 0, 0, 8, 1, 0},
         /* 647: reply of read_stored_setting_angle_pid */
-        {{0x181u, {0x40u, 0xA0u, 0x64u, 0x00u, 0x32u, 0x00u, 0x19u, 0x00u}}, 1u, 97u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x40A06400u, 0x32001900u}}, 1u, 97, 0, 0, 0, 8, 3, 0},
         /* 648: reply of read_stored_setting_angle_pid */
-        {{0x194u, {0x40u, 0xA0u, 0xD0u, 0x07u, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 97u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x40A0D007u, 0x00000100u}}, 20u, 97, 1, 0, 0, 8, 3, 0},
         /* 649: reply of read_stored_setting_angle_pid */
-        {{0x1A0u, {0x40u, 0xA0u, 0x00u, 0x00u, 0xD0u, 0x07u, 0x02u, 0x01u}}, 32u, 97u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x40A00000u, 0xD0070201u}}, 32u, 97, 2, 0, 0, 8, 3, 0},
         /* 650: reply of read_stored_setting_angle_pid */
-        {{0x181u, {0x40u, 0xA0u, 0x01u, 0x00u, 0x02u, 0x00u, 0xD0u, 0x07u}}, 1u, 97u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 651: request of read_stored_setting_speed_pid */
-        {{0x141u, {0x40u, 0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 98u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 652: request of read_stored_setting_speed_pid */
-        {{0x160u, {0x40u, 0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 98u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x40A00100u, 0x0200D007u}}, 1u, 97, 3, 0, 0, 8, 3, 0},
+        {{0x141u, {0x40A40000u}}, 1u, 98, 0, 0, 0, 8, 3, 0}, /* 651: request of read_stored_setting_speed_pid */
+        {{0x160u, {0x40A40000u}}, 32u, 98, 0, 0, 0, 8, 3, 0}, /* 652: request of read_stored_setting_speed_pid */
         /* 653: request of read_stored_setting_speed_pid */
-        {{0x141u, {0x40u, 0xA4u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 98u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x40A40203u, 0x04050607u}}, 1u, 98, 0, 0, 0, 8, 1, 0},
         /* 654: reply of read_stored_setting_speed_pid */
-        {{0x181u, {0x40u, 0xA4u, 0x65u, 0x00u, 0x33u, 0x00u, 0x1Au, 0x00u}}, 1u, 99u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x40A46500u, 0x33001A00u}}, 1u, 99, 4, 0, 0, 8, 3, 0},
         /* 655: reply of read_stored_setting_speed_pid */
-        {{0x194u, {0x40u, 0xA4u, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 20u, 99u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x40A40201u, 0x04030605u}}, 20u, 99, 5, 0, 0, 8, 3, 0},
         /* 656: reply of read_stored_setting_speed_pid */
-        {{0x1A0u, {0x40u, 0xA4u, 0xD0u, 0x07u, 0xD0u, 0x07u, 0xD0u, 0x07u}}, 32u, 99u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 657: request of read_stored_setting_current_pid */
-        {{0x141u, {0x40u, 0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 100u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 658: request of read_stored_setting_current_pid */
-        {{0x160u, {0x40u, 0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 100u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x40A4D007u, 0xD007D007u}}, 32u, 99, 6, 0, 0, 8, 3, 0},
+        {{0x141u, {0x40A80000u}}, 1u, 100, 0, 0, 0, 8, 3, 0}, /* 657: request of read_stored_setting_current_pid */
+        {{0x160u, {0x40A80000u}}, 32u, 100, 0, 0, 0, 8, 3, 0}, /* 658: request of read_stored_setting_current_pid */
         /* 659: request of read_stored_setting_current_pid */
-        {{0x141u, {0x40u, 0xA8u, 0x02u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 100u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x40A80203u, 0x04050607u}}, 1u, 100, 0, 0, 0, 8, 1, 0},
         /* 660: reply of read_stored_setting_current_pid */
-        {{0x181u, {0x40u, 0xA8u, 0x66u, 0x00u, 0x34u, 0x00u, 0x1Bu, 0x00u}}, 1u, 101u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 661: reply of read_stored_setting_current_pid */
-        {{0x194u, {0x40u, 0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 101u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x40A86600u, 0x34001B00u}}, 1u, 101, 7, 0, 0, 8, 3, 0},
+        {{0x194u, {0x40A80000u}}, 20u, 101, 8, 0, 0, 8, 3, 0}, /* 661: reply of read_stored_setting_current_pid */
         /* 662: reply of read_stored_setting_current_pid */
-        {{0x1A0u, {0x40u, 0xA8u, 0x05u, 0x06u, 0x03u, 0x04u, 0x01u, 0x02u}}, 32u, 101u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x40A80506u, 0x03040102u}}, 32u, 101, 9, 0, 0, 8, 3, 0},
         /* 663: request of stage_stored_setting_driver_id */
-        {{0x141u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x05u, 0x00u, 0x00u, 0x00u}}, 1u, 102u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42050A00u, 0x05000000u}}, 1u, 102, 6, 0, 0, 8, 3, 0},
         /* 664: reply of stage_stored_setting_driver_id */
-        {{0x181u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x05u, 0x00u, 0x00u, 0x00u}}, 1u, 103u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 665: request of stage_stored_setting_driver_id */
-        {{0x141u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 102u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x42050A00u, 0x05000000u}}, 1u, 103, 6, 0, 0, 8, 3, 0},
+        {{0x141u, {0x42050A00u}}, 1u, 102, 0, 0, 0, 8, 3, 0}, /* 665: request of stage_stored_setting_driver_id */
         /* 666: request of stage_stored_setting_driver_id */
-        {{0x154u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 102u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x42050A00u, 0x01000000u}}, 20u, 102, 1, 0, 0, 8, 3, 0},
         /* 667: request of stage_stored_setting_driver_id */
-        {{0x160u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x20u, 0x00u, 0x00u, 0x00u}}, 32u, 102u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x42050A00u, 0x20000000u}}, 32u, 102, 2, 0, 0, 8, 3, 0},
         /* 668: request of stage_stored_setting_driver_id */
-        {{0x141u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x14u, 0x00u, 0x00u, 0x00u}}, 1u, 102u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42050A00u, 0x14000000u}}, 1u, 102, 3, 0, 0, 8, 3, 0},
         /* 669: request of stage_stored_setting_driver_id */
-        {{0x141u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x21u, 0x00u, 0x00u, 0x00u}}, 1u, 102u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42050A00u, 0x21000000u}}, 1u, 102, 4, 0, 0, 8, 1, 0},
         /* 670: request of stage_stored_setting_driver_id */
-        {{0x141u, {0x42u, 0x05u, 0x0Au, 0x00u, 0xFFu, 0x00u, 0x00u, 0x00u}}, 1u, 102u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42050A00u, 0xFF000000u}}, 1u, 102, 5, 0, 0, 8, 1, 0},
         /* 671: request of stage_stored_setting_driver_id */
-        {{0x145u, {0x42u, 0x05u, 0x0Au, 0x93u, 0x01u, 0x95u, 0x96u, 0x97u}}, 5u, 102u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0x42050A93u, 0x01959697u}}, 5u, 102, 1, 0, 0, 8, 1, 0},
         /* 672: reply of stage_stored_setting_driver_id */
-        {{0x194u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 103u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x42050A00u, 0x01000000u}}, 20u, 103, 1, 0, 0, 8, 3, 0},
         /* 673: reply of stage_stored_setting_driver_id */
-        {{0x1A0u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x20u, 0x00u, 0x00u, 0x00u}}, 32u, 103u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 674: request of stage_stored_setting_bus_type */
-        {{0x141u, {0x42u, 0x05u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 104u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x42050A00u, 0x20000000u}}, 32u, 103, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0x42050B00u}}, 1u, 104, 0, 0, 0, 8, 3, 0}, /* 674: request of stage_stored_setting_bus_type */
         /* 675: request of stage_stored_setting_bus_type */
-        {{0x154u, {0x42u, 0x05u, 0x0Bu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 104u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x42050B00u, 0x01000000u}}, 20u, 104, 1, 0, 0, 8, 3, 0},
         /* 676: request of stage_stored_setting_bus_type */
-        {{0x160u, {0x42u, 0x05u, 0x0Bu, 0x00u, 0x02u, 0x00u, 0x00u, 0x00u}}, 32u, 104u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x42050B00u, 0x02000000u}}, 32u, 104, 2, 0, 0, 8, 3, 0},
         /* 677: request of stage_stored_setting_bus_type */
-        {{0x141u, {0x42u, 0x05u, 0x0Bu, 0x00u, 0x03u, 0x00u, 0x00u, 0x00u}}, 1u, 104u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42050B00u, 0x03000000u}}, 1u, 104, 3, 0, 0, 8, 1, 0},
         /* 678: request of stage_stored_setting_bus_type */
-        {{0x141u, {0x42u, 0x05u, 0x0Bu, 0x00u, 0xFFu, 0x00u, 0x00u, 0x00u}}, 1u, 104u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42050B00u, 0xFF000000u}}, 1u, 104, 4, 0, 0, 8, 1, 0},
         /* 679: request of stage_stored_setting_bus_type */
-        {{0x145u, {0x42u, 0x05u, 0x0Bu, 0x93u, 0x01u, 0x95u, 0x96u, 0x97u}}, 5u, 104u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0x42050B93u, 0x01959697u}}, 5u, 104, 1, 0, 0, 8, 1, 0},
         /* 680: reply of stage_stored_setting_bus_type */
-        {{0x194u, {0x42u, 0x05u, 0x0Bu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 105u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x42050B00u, 0x01000000u}}, 20u, 105, 1, 0, 0, 8, 3, 0},
         /* 681: reply of stage_stored_setting_bus_type */
-        {{0x1A0u, {0x42u, 0x05u, 0x0Bu, 0x00u, 0x02u, 0x00u, 0x00u, 0x00u}}, 32u, 105u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x42050B00u, 0x02000000u}}, 32u, 105, 2, 0, 0, 8, 3, 0},
         /* 682: request of stage_stored_setting_rs485_baud_rate */
-        {{0x141u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 106u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42050C00u}}, 1u, 106, 0, 0, 0, 8, 3, 0},
         /* 683: request of stage_stored_setting_rs485_baud_rate */
-        {{0x154u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 106u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x42050C00u, 0x01000000u}}, 20u, 106, 1, 0, 0, 8, 3, 0},
         /* 684: request of stage_stored_setting_rs485_baud_rate */
-        {{0x160u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x02u, 0x00u, 0x00u, 0x00u}}, 32u, 106u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x42050C00u, 0x02000000u}}, 32u, 106, 2, 0, 0, 8, 3, 0},
         /* 685: request of stage_stored_setting_rs485_baud_rate */
-        {{0x141u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x03u, 0x00u, 0x00u, 0x00u}}, 1u, 106u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42050C00u, 0x03000000u}}, 1u, 106, 3, 0, 0, 8, 3, 0},
         /* 686: request of stage_stored_setting_rs485_baud_rate */
-        {{0x154u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x04u, 0x00u, 0x00u, 0x00u}}, 20u, 106u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x42050C00u, 0x04000000u}}, 20u, 106, 4, 0, 0, 8, 3, 0},
         /* 687: request of stage_stored_setting_rs485_baud_rate */
-        {{0x160u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x05u, 0x00u, 0x00u, 0x00u}}, 32u, 106u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x42050C00u, 0x05000000u}}, 32u, 106, 5, 0, 0, 8, 3, 0},
         /* 688: request of stage_stored_setting_rs485_baud_rate */
-        {{0x141u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x06u, 0x00u, 0x00u, 0x00u}}, 1u, 106u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42050C00u, 0x06000000u}}, 1u, 106, 6, 0, 0, 8, 3, 0},
         /* 689: request of stage_stored_setting_rs485_baud_rate */
-        {{0x154u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x07u, 0x00u, 0x00u, 0x00u}}, 20u, 106u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x42050C00u, 0x07000000u}}, 20u, 106, 7, 0, 0, 8, 3, 0},
         /* 690: request of stage_stored_setting_rs485_baud_rate */
-        {{0x160u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x08u, 0x00u, 0x00u, 0x00u}}, 32u, 106u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x42050C00u, 0x08000000u}}, 32u, 106, 8, 0, 0, 8, 3, 0},
         /* 691: request of stage_stored_setting_rs485_baud_rate */
-        {{0x141u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x09u, 0x00u, 0x00u, 0x00u}}, 1u, 106u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42050C00u, 0x09000000u}}, 1u, 106, 9, 0, 0, 8, 3, 0},
         /* 692: request of stage_stored_setting_rs485_baud_rate */
-        {{0x154u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x0Au, 0x00u, 0x00u, 0x00u}}, 20u, 106u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x42050C00u, 0x0A000000u}}, 20u, 106, 10, 0, 0, 8, 3, 0},
         /* 693: request of stage_stored_setting_rs485_baud_rate */
-        {{0x141u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x0Bu, 0x00u, 0x00u, 0x00u}}, 1u, 106u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42050C00u, 0x0B000000u}}, 1u, 106, 11, 0, 0, 8, 1, 0},
         /* 694: request of stage_stored_setting_rs485_baud_rate */
-        {{0x141u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0xFFu, 0x00u, 0x00u, 0x00u}}, 1u, 106u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42050C00u, 0xFF000000u}}, 1u, 106, 12, 0, 0, 8, 1, 0},
         /* 695: request of stage_stored_setting_rs485_baud_rate */
-        {{0x145u, {0x42u, 0x05u, 0x0Cu, 0x93u, 0x01u, 0x95u, 0x96u, 0x97u}}, 5u, 106u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0x42050C93u, 0x01959697u}}, 5u, 106, 1, 0, 0, 8, 1, 0},
         /* 696: reply of stage_stored_setting_rs485_baud_rate */
-        {{0x194u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 107u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x42050C00u, 0x01000000u}}, 20u, 107, 1, 0, 0, 8, 3, 0},
         /* 697: reply of stage_stored_setting_rs485_baud_rate */
-        {{0x1A0u, {0x42u, 0x05u, 0x0Cu, 0x00u, 0x02u, 0x00u, 0x00u, 0x00u}}, 32u, 107u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 698: request of stage_stored_setting_can_baud_rate */
-        {{0x141u, {0x42u, 0x05u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 108u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x42050C00u, 0x02000000u}}, 32u, 107, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0x42050D00u}}, 1u, 108, 0, 0, 0, 8, 3, 0}, /* 698: request of stage_stored_setting_can_baud_rate */
         /* 699: request of stage_stored_setting_can_baud_rate */
-        {{0x154u, {0x42u, 0x05u, 0x0Du, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 108u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x42050D00u, 0x01000000u}}, 20u, 108, 1, 0, 0, 8, 3, 0},
         /* 700: request of stage_stored_setting_can_baud_rate */
-        {{0x160u, {0x42u, 0x05u, 0x0Du, 0x00u, 0x02u, 0x00u, 0x00u, 0x00u}}, 32u, 108u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x42050D00u, 0x02000000u}}, 32u, 108, 2, 0, 0, 8, 3, 0},
         /* 701: request of stage_stored_setting_can_baud_rate */
-        {{0x141u, {0x42u, 0x05u, 0x0Du, 0x00u, 0x03u, 0x00u, 0x00u, 0x00u}}, 1u, 108u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42050D00u, 0x03000000u}}, 1u, 108, 3, 0, 0, 8, 3, 0},
         /* 702: request of stage_stored_setting_can_baud_rate */
-        {{0x154u, {0x42u, 0x05u, 0x0Du, 0x00u, 0x04u, 0x00u, 0x00u, 0x00u}}, 20u, 108u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x42050D00u, 0x04000000u}}, 20u, 108, 4, 0, 0, 8, 3, 0},
         /* 703: request of stage_stored_setting_can_baud_rate */
-        {{0x141u, {0x42u, 0x05u, 0x0Du, 0x00u, 0x05u, 0x00u, 0x00u, 0x00u}}, 1u, 108u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42050D00u, 0x05000000u}}, 1u, 108, 5, 0, 0, 8, 1, 0},
         /* 704: request of stage_stored_setting_can_baud_rate */
-        {{0x141u, {0x42u, 0x05u, 0x0Du, 0x00u, 0xFFu, 0x00u, 0x00u, 0x00u}}, 1u, 108u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42050D00u, 0xFF000000u}}, 1u, 108, 6, 0, 0, 8, 1, 0},
         /* 705: request of stage_stored_setting_can_baud_rate */
-        {{0x145u, {0x42u, 0x05u, 0x0Du, 0x93u, 0x01u, 0x95u, 0x96u, 0x97u}}, 5u, 108u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0x42050D93u, 0x01959697u}}, 5u, 108, 1, 0, 0, 8, 1, 0},
         /* 706: reply of stage_stored_setting_can_baud_rate */
-        {{0x194u, {0x42u, 0x05u, 0x0Du, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 109u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x42050D00u, 0x01000000u}}, 20u, 109, 1, 0, 0, 8, 3, 0},
         /* 707: reply of stage_stored_setting_can_baud_rate */
-        {{0x1A0u, {0x42u, 0x05u, 0x0Du, 0x00u, 0x02u, 0x00u, 0x00u, 0x00u}}, 32u, 109u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 708: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 110u, 0u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x42050D00u, 0x02000000u}}, 32u, 109, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0x4205B000u}}, 1u, 110, 0, 0, 16, 8, 3, 0}, /* 708: request of stage_stored_setting_max_power */
         /* 709: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 110u, 1u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0x01000000u}}, 1u, 110, 1, 0, 16, 8, 3, 0},
         /* 710: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 1u, 110u, 2u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0x52030000u}}, 1u, 110, 2, 0, 16, 8, 3, 0},
         /* 711: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x53u, 0x03u, 0x00u, 0x00u}}, 1u, 110u, 3u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B000u, 0x53030000u}}, 1u, 110, 3, 0, 16, 8, 1, 0},
         /* 712: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 110u, 4u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 713: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 110u, 0u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0xFFFF0000u}}, 1u, 110, 4, 0, 16, 8, 1, 0},
+        {{0x141u, {0x4205B000u}}, 1u, 110, 0, 0, 5, 8, 3, 0}, /* 713: request of stage_stored_setting_max_power */
         /* 714: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 110u, 1u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0x01000000u}}, 1u, 110, 1, 0, 5, 8, 3, 0},
         /* 715: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 110u, 5u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0xD0070000u}}, 1u, 110, 5, 0, 5, 8, 3, 0},
         /* 716: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 110u, 6u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B000u, 0xD1070000u}}, 1u, 110, 6, 0, 5, 8, 1, 0},
         /* 717: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 110u, 4u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 718: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 110u, 0u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0xFFFF0000u}}, 1u, 110, 4, 0, 5, 8, 1, 0},
+        {{0x141u, {0x4205B000u}}, 1u, 110, 0, 0, 6, 8, 3, 0}, /* 718: request of stage_stored_setting_max_power */
         /* 719: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 110u, 1u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0x01000000u}}, 1u, 110, 1, 0, 6, 8, 3, 0},
         /* 720: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 110u, 5u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0xD0070000u}}, 1u, 110, 5, 0, 6, 8, 3, 0},
         /* 721: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 110u, 6u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B000u, 0xD1070000u}}, 1u, 110, 6, 0, 6, 8, 1, 0},
         /* 722: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 110u, 4u, 6u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 723: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 110u, 0u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0xFFFF0000u}}, 1u, 110, 4, 0, 6, 8, 1, 0},
+        {{0x141u, {0x4205B000u}}, 1u, 110, 0, 0, 4, 8, 3, 0}, /* 723: request of stage_stored_setting_max_power */
         /* 724: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 1u, 110u, 1u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0x01000000u}}, 1u, 110, 1, 0, 4, 8, 3, 0},
         /* 725: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xD0u, 0x07u, 0x00u, 0x00u}}, 1u, 110u, 5u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B000u, 0xD0070000u}}, 1u, 110, 5, 0, 4, 8, 3, 0},
         /* 726: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xD1u, 0x07u, 0x00u, 0x00u}}, 1u, 110u, 6u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B000u, 0xD1070000u}}, 1u, 110, 6, 0, 4, 8, 1, 0},
         /* 727: request of stage_stored_setting_max_power */
-        {{0x141u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 110u, 4u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B000u, 0xFFFF0000u}}, 1u, 110, 4, 0, 4, 8, 1, 0},
         /* 728: request of stage_stored_setting_max_power */
-        {{0x154u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x02u, 0x01u, 0x00u, 0x00u}}, 20u, 110u, 7u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x4205B000u, 0x02010000u}}, 20u, 110, 7, 0, 16, 8, 3, 0},
         /* 729: request of stage_stored_setting_max_power */
-        {{0x154u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x03u, 0x02u, 0x00u, 0x00u}}, 20u, 110u, 8u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x4205B000u, 0x03020000u}}, 20u, 110, 8, 0, 4, 8, 3, 0},
         /* 730: request of stage_stored_setting_max_power */
-        {{0x142u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x20u, 0x03u, 0x00u, 0x00u}}, 2u, 110u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x142u, {0x4205B000u, 0x20030000u}}, 2u, 110, 9, 0, 0, 8, 3, 0},
         /* 731: request of stage_stored_setting_max_power */
-        {{0x143u, {0x42u, 0x05u, 0xB0u, 0x93u, 0x2Cu, 0x01u, 0x96u, 0x97u}}, 3u, 110u, 10u, 5u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x143u, {0x4205B093u, 0x2C019697u}}, 3u, 110, 10, 0, 5, 8, 1, 0},
         /* 732: reply of stage_stored_setting_max_power */
-        {{0x181u, {0x42u, 0x05u, 0xB0u, 0x00u, 0x52u, 0x03u, 0x00u, 0x00u}}, 1u, 111u, 2u, 16u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4205B000u, 0x52030000u}}, 1u, 111, 2, 0, 16, 8, 3, 0},
         /* 733: reply of stage_stored_setting_max_power */
-        {{0x182u, {0x42u, 0x05u, 0xB0u, 0x00u, 0xA4u, 0x06u, 0x00u, 0x00u}}, 2u, 111u, 11u, 4u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 734: request of stage_stored_setting_max_speed */
-        {{0x141u, {0x42u, 0x05u, 0xB2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 112u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x182u, {0x4205B000u, 0xA4060000u}}, 2u, 111, 11, 0, 4, 8, 3, 0},
+        {{0x141u, {0x4205B200u}}, 1u, 112, 0, 0, 0, 8, 3, 0}, /* 734: request of stage_stored_setting_max_speed */
         /* 735: request of stage_stored_setting_max_speed */
-        {{0x154u, {0x42u, 0x05u, 0xB2u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 112u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x4205B200u, 0x01000000u}}, 20u, 112, 1, 0, 0, 8, 3, 0},
         /* 736: request of stage_stored_setting_max_speed */
-        {{0x160u, {0x42u, 0x05u, 0xB2u, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 112u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x4205B200u, 0xC0270900u}}, 32u, 112, 2, 0, 0, 8, 3, 0},
         /* 737: request of stage_stored_setting_max_speed */
-        {{0x141u, {0x42u, 0x05u, 0xB2u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 112u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B200u, 0xA08C0000u}}, 1u, 112, 3, 0, 0, 8, 3, 0},
         /* 738: request of stage_stored_setting_max_speed */
-        {{0x154u, {0x42u, 0x05u, 0xB2u, 0x00u, 0x04u, 0x03u, 0x02u, 0x00u}}, 20u, 112u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x4205B200u, 0x04030200u}}, 20u, 112, 4, 0, 0, 8, 3, 0},
         /* 739: request of stage_stored_setting_max_speed */
-        {{0x141u, {0x42u, 0x05u, 0xB2u, 0x00u, 0xC1u, 0x27u, 0x09u, 0x00u}}, 1u, 112u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B200u, 0xC1270900u}}, 1u, 112, 5, 0, 0, 8, 1, 0},
         /* 740: request of stage_stored_setting_max_speed */
-        {{0x141u, {0x42u, 0x05u, 0xB2u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 112u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B200u, 0xFFFFFFFFu}}, 1u, 112, 6, 0, 0, 8, 1, 0},
         /* 741: request of stage_stored_setting_max_speed */
-        {{0x141u, {0x42u, 0x05u, 0xB2u, 0x00u, 0x78u, 0x56u, 0x34u, 0x12u}}, 1u, 112u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B200u, 0x78563412u}}, 1u, 112, 7, 0, 0, 8, 1, 0},
         /* 742: request of stage_stored_setting_max_speed */
-        {{0x141u, {0x42u, 0x05u, 0xB2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 112u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B200u, 0x00000080u}}, 1u, 112, 8, 0, 0, 8, 1, 0},
         /* 743: request of stage_stored_setting_max_speed */
-        {{0x145u, {0x42u, 0x05u, 0xB2u, 0x93u, 0x01u, 0x00u, 0x00u, 0x00u}}, 5u, 112u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0x4205B293u, 0x01000000u}}, 5u, 112, 1, 0, 0, 8, 1, 0},
         /* 744: reply of stage_stored_setting_max_speed */
-        {{0x194u, {0x42u, 0x05u, 0xB2u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 113u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4205B200u, 0x01000000u}}, 20u, 113, 1, 0, 0, 8, 3, 0},
         /* 745: reply of stage_stored_setting_max_speed */
-        {{0x1A0u, {0x42u, 0x05u, 0xB2u, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 113u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x4205B200u, 0xC0270900u}}, 32u, 113, 2, 0, 0, 8, 3, 0},
         /* 746: request of stage_stored_setting_max_angle */
-        {{0x141u, {0x42u, 0x05u, 0xB4u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 114u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B400u, 0xA08C0000u}}, 1u, 114, 6, 0, 0, 8, 3, 0},
         /* 747: reply of stage_stored_setting_max_angle */
-        {{0x181u, {0x42u, 0x05u, 0xB4u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, 1u, 115u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 748: request of stage_stored_setting_max_angle */
-        {{0x141u, {0x42u, 0x05u, 0xB4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 114u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4205B400u, 0xA08C0000u}}, 1u, 115, 6, 0, 0, 8, 3, 0},
+        {{0x141u, {0x4205B400u}}, 1u, 114, 0, 0, 0, 8, 3, 0}, /* 748: request of stage_stored_setting_max_angle */
         /* 749: request of stage_stored_setting_max_angle */
-        {{0x154u, {0x42u, 0x05u, 0xB4u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 114u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x4205B400u, 0x01000000u}}, 20u, 114, 1, 0, 0, 8, 3, 0},
         /* 750: request of stage_stored_setting_max_angle */
-        {{0x160u, {0x42u, 0x05u, 0xB4u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 114u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x4205B400u, 0xFFFFFF7Fu}}, 32u, 114, 2, 0, 0, 8, 3, 0},
         /* 751: request of stage_stored_setting_max_angle */
-        {{0x141u, {0x42u, 0x05u, 0xB4u, 0x00u, 0x04u, 0x03u, 0x02u, 0x01u}}, 1u, 114u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205B400u, 0x04030201u}}, 1u, 114, 3, 0, 0, 8, 3, 0},
         /* 752: request of stage_stored_setting_max_angle */
-        {{0x141u, {0x42u, 0x05u, 0xB4u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 114u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B400u, 0xFFFFFFFFu}}, 1u, 114, 4, 0, 0, 8, 1, 0},
         /* 753: request of stage_stored_setting_max_angle */
-        {{0x141u, {0x42u, 0x05u, 0xB4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 114u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205B400u, 0x00000080u}}, 1u, 114, 5, 0, 0, 8, 1, 0},
         /* 754: request of stage_stored_setting_max_angle */
-        {{0x145u, {0x42u, 0x05u, 0xB4u, 0x93u, 0x01u, 0x00u, 0x00u, 0x00u}}, 5u, 114u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0x4205B493u, 0x01000000u}}, 5u, 114, 1, 0, 0, 8, 1, 0},
         /* 755: reply of stage_stored_setting_max_angle */
-        {{0x194u, {0x42u, 0x05u, 0xB4u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 115u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4205B400u, 0x01000000u}}, 20u, 115, 1, 0, 0, 8, 3, 0},
         /* 756: reply of stage_stored_setting_max_angle */
-        {{0x1A0u, {0x42u, 0x05u, 0xB4u, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0x7Fu}}, 32u, 115u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x4205B400u, 0xFFFFFF7Fu}}, 32u, 115, 2, 0, 0, 8, 3, 0},
         /* 757: request of stage_stored_setting_current_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBAu, 0x00u, 0xF4u, 0x01u, 0x00u, 0x00u}}, 1u, 116u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205BA00u, 0xF4010000u}}, 1u, 116, 7, 0, 0, 8, 3, 0},
         /* 758: reply of stage_stored_setting_current_ramp */
-        {{0x181u, {0x42u, 0x05u, 0xBAu, 0x00u, 0xF4u, 0x01u, 0x00u, 0x00u}}, 1u, 117u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 759: request of stage_stored_setting_current_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 116u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x4205BA00u, 0xF4010000u}}, 1u, 117, 7, 0, 0, 8, 3, 0},
+        {{0x141u, {0x4205BA00u}}, 1u, 116, 0, 0, 0, 8, 3, 0}, /* 759: request of stage_stored_setting_current_ramp */
         /* 760: request of stage_stored_setting_current_ramp */
-        {{0x154u, {0x42u, 0x05u, 0xBAu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 116u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x4205BA00u, 0x01000000u}}, 20u, 116, 1, 0, 0, 8, 3, 0},
         /* 761: request of stage_stored_setting_current_ramp */
-        {{0x160u, {0x42u, 0x05u, 0xBAu, 0x00u, 0x30u, 0x75u, 0x00u, 0x00u}}, 32u, 116u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x4205BA00u, 0x30750000u}}, 32u, 116, 2, 0, 0, 8, 3, 0},
         /* 762: request of stage_stored_setting_current_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBAu, 0x00u, 0x01u, 0x02u, 0x00u, 0x00u}}, 1u, 116u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205BA00u, 0x01020000u}}, 1u, 116, 3, 0, 0, 8, 3, 0},
         /* 763: request of stage_stored_setting_current_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBAu, 0x00u, 0x31u, 0x75u, 0x00u, 0x00u}}, 1u, 116u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205BA00u, 0x31750000u}}, 1u, 116, 4, 0, 0, 8, 1, 0},
         /* 764: request of stage_stored_setting_current_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBAu, 0x00u, 0xFFu, 0xFFu, 0x00u, 0x00u}}, 1u, 116u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205BA00u, 0xFFFF0000u}}, 1u, 116, 5, 0, 0, 8, 1, 0},
         /* 765: request of stage_stored_setting_current_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBAu, 0x00u, 0x00u, 0x80u, 0x00u, 0x00u}}, 1u, 116u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205BA00u, 0x00800000u}}, 1u, 116, 6, 0, 0, 8, 1, 0},
         /* 766: request of stage_stored_setting_current_ramp */
-        {{0x145u, {0x42u, 0x05u, 0xBAu, 0x93u, 0x01u, 0x00u, 0x96u, 0x97u}}, 5u, 116u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0x4205BA93u, 0x01009697u}}, 5u, 116, 1, 0, 0, 8, 1, 0},
         /* 767: reply of stage_stored_setting_current_ramp */
-        {{0x194u, {0x42u, 0x05u, 0xBAu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 117u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4205BA00u, 0x01000000u}}, 20u, 117, 1, 0, 0, 8, 3, 0},
         /* 768: reply of stage_stored_setting_current_ramp */
-        {{0x1A0u, {0x42u, 0x05u, 0xBAu, 0x00u, 0x30u, 0x75u, 0x00u, 0x00u}}, 32u, 117u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 769: request of stage_stored_setting_speed_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBCu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 118u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x4205BA00u, 0x30750000u}}, 32u, 117, 2, 0, 0, 8, 3, 0},
+        {{0x141u, {0x4205BC00u}}, 1u, 118, 0, 0, 0, 8, 3, 0}, /* 769: request of stage_stored_setting_speed_ramp */
         /* 770: request of stage_stored_setting_speed_ramp */
-        {{0x154u, {0x42u, 0x05u, 0xBCu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 118u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x4205BC00u, 0x01000000u}}, 20u, 118, 1, 0, 0, 8, 3, 0},
         /* 771: request of stage_stored_setting_speed_ramp */
-        {{0x160u, {0x42u, 0x05u, 0xBCu, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 118u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x4205BC00u, 0xC0270900u}}, 32u, 118, 2, 0, 0, 8, 3, 0},
         /* 772: request of stage_stored_setting_speed_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBCu, 0x00u, 0xE8u, 0x03u, 0x00u, 0x00u}}, 1u, 118u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x4205BC00u, 0xE8030000u}}, 1u, 118, 3, 0, 0, 8, 3, 0},
         /* 773: request of stage_stored_setting_speed_ramp */
-        {{0x154u, {0x42u, 0x05u, 0xBCu, 0x00u, 0x02u, 0x03u, 0x04u, 0x00u}}, 20u, 118u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x4205BC00u, 0x02030400u}}, 20u, 118, 4, 0, 0, 8, 3, 0},
         /* 774: request of stage_stored_setting_speed_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBCu, 0x00u, 0xC1u, 0x27u, 0x09u, 0x00u}}, 1u, 118u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205BC00u, 0xC1270900u}}, 1u, 118, 5, 0, 0, 8, 1, 0},
         /* 775: request of stage_stored_setting_speed_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBCu, 0x00u, 0xFFu, 0xFFu, 0xFFu, 0xFFu}}, 1u, 118u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205BC00u, 0xFFFFFFFFu}}, 1u, 118, 6, 0, 0, 8, 1, 0},
         /* 776: request of stage_stored_setting_speed_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBCu, 0x00u, 0x78u, 0x56u, 0x34u, 0x12u}}, 1u, 118u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205BC00u, 0x78563412u}}, 1u, 118, 7, 0, 0, 8, 1, 0},
         /* 777: request of stage_stored_setting_speed_ramp */
-        {{0x141u, {0x42u, 0x05u, 0xBCu, 0x00u, 0x00u, 0x00u, 0x00u, 0x80u}}, 1u, 118u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x4205BC00u, 0x00000080u}}, 1u, 118, 8, 0, 0, 8, 1, 0},
         /* 778: request of stage_stored_setting_speed_ramp */
-        {{0x145u, {0x42u, 0x05u, 0xBCu, 0x93u, 0x01u, 0x00u, 0x00u, 0x00u}}, 5u, 118u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x145u, {0x4205BC93u, 0x01000000u}}, 5u, 118, 1, 0, 0, 8, 1, 0},
         /* 779: reply of stage_stored_setting_speed_ramp */
-        {{0x194u, {0x42u, 0x05u, 0xBCu, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 20u, 119u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x4205BC00u, 0x01000000u}}, 20u, 119, 1, 0, 0, 8, 3, 0},
         /* 780: reply of stage_stored_setting_speed_ramp */
-        {{0x1A0u, {0x42u, 0x05u, 0xBCu, 0x00u, 0xC0u, 0x27u, 0x09u, 0x00u}}, 32u, 119u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x4205BC00u, 0xC0270900u}}, 32u, 119, 2, 0, 0, 8, 3, 0},
         /* 781: request of stage_stored_setting_angle_pid */
-        {{0x141u, {0x42u, 0xA0u, 0x64u, 0x00u, 0x32u, 0x00u, 0x19u, 0x00u}}, 1u, 120u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42A06400u, 0x32001900u}}, 1u, 120, 0, 0, 0, 8, 3, 0},
         /* 782: reply of stage_stored_setting_angle_pid */
-        {{0x181u, {0x42u, 0xA0u, 0x64u, 0x00u, 0x32u, 0x00u, 0x19u, 0x00u}}, 1u, 121u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x181u, {0x42A06400u, 0x32001900u}}, 1u, 121, 0, 0, 0, 8, 3, 0},
         /* 783: request of stage_stored_setting_angle_pid */
-        {{0x141u, {0x42u, 0xA0u, 0x64u, 0x00u, 0x32u, 0x00u, 0x19u, 0x00u}}, 1u, 120u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42A06400u, 0x32001900u}}, 1u, 120, 0, 0, 0, 8, 3, 0},
         /* 784: request of stage_stored_setting_angle_pid */
-        {{0x154u, {0x42u, 0xA0u, 0xD0u, 0x07u, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 120u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x42A0D007u, 0x00000100u}}, 20u, 120, 1, 0, 0, 8, 3, 0},
         /* 785: request of stage_stored_setting_angle_pid */
-        {{0x160u, {0x42u, 0xA0u, 0x00u, 0x00u, 0xD0u, 0x07u, 0x02u, 0x01u}}, 32u, 120u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x42A00000u, 0xD0070201u}}, 32u, 120, 2, 0, 0, 8, 3, 0},
         /* 786: request of stage_stored_setting_angle_pid */
-        {{0x141u, {0x42u, 0xA0u, 0x01u, 0x00u, 0x02u, 0x00u, 0xD0u, 0x07u}}, 1u, 120u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42A00100u, 0x0200D007u}}, 1u, 120, 3, 0, 0, 8, 3, 0},
         /* 787: request of stage_stored_setting_angle_pid */
-        {{0x141u, {0x42u, 0xA0u, 0xD1u, 0x07u, 0x06u, 0x00u, 0x07u, 0x00u}}, 1u, 120u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42A0D107u, 0x06000700u}}, 1u, 120, 10, 0, 0, 8, 1, 0},
         /* 788: request of stage_stored_setting_angle_pid */
-        {{0x141u, {0x42u, 0xA0u, 0x05u, 0x00u, 0xFFu, 0xFFu, 0x07u, 0x00u}}, 1u, 120u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42A00500u, 0xFFFF0700u}}, 1u, 120, 11, 0, 0, 8, 1, 0},
         /* 789: request of stage_stored_setting_angle_pid */
-        {{0x141u, {0x42u, 0xA0u, 0x05u, 0x00u, 0x06u, 0x00u, 0x00u, 0x80u}}, 1u, 120u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42A00500u, 0x06000080u}}, 1u, 120, 12, 0, 0, 8, 1, 0},
         /* 790: reply of stage_stored_setting_angle_pid */
-        {{0x194u, {0x42u, 0xA0u, 0xD0u, 0x07u, 0x00u, 0x00u, 0x01u, 0x00u}}, 20u, 121u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x42A0D007u, 0x00000100u}}, 20u, 121, 1, 0, 0, 8, 3, 0},
         /* 791: reply of stage_stored_setting_angle_pid */
-        {{0x1A0u, {0x42u, 0xA0u, 0x00u, 0x00u, 0xD0u, 0x07u, 0x02u, 0x01u}}, 32u, 121u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x42A00000u, 0xD0070201u}}, 32u, 121, 2, 0, 0, 8, 3, 0},
         /* 792: request of stage_stored_setting_speed_pid */
-        {{0x141u, {0x42u, 0xA4u, 0x65u, 0x00u, 0x33u, 0x00u, 0x1Au, 0x00u}}, 1u, 122u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42A46500u, 0x33001A00u}}, 1u, 122, 4, 0, 0, 8, 3, 0},
         /* 793: request of stage_stored_setting_speed_pid */
-        {{0x154u, {0x42u, 0xA4u, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 20u, 122u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x154u, {0x42A40201u, 0x04030605u}}, 20u, 122, 5, 0, 0, 8, 3, 0},
         /* 794: request of stage_stored_setting_speed_pid */
-        {{0x160u, {0x42u, 0xA4u, 0xD0u, 0x07u, 0xD0u, 0x07u, 0xD0u, 0x07u}}, 32u, 122u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x42A4D007u, 0xD007D007u}}, 32u, 122, 6, 0, 0, 8, 3, 0},
         /* 795: request of stage_stored_setting_speed_pid */
-        {{0x141u, {0x42u, 0xA4u, 0xD1u, 0x07u, 0x06u, 0x00u, 0x07u, 0x00u}}, 1u, 122u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42A4D107u, 0x06000700u}}, 1u, 122, 10, 0, 0, 8, 1, 0},
         /* 796: request of stage_stored_setting_speed_pid */
-        {{0x141u, {0x42u, 0xA4u, 0x05u, 0x00u, 0xFFu, 0xFFu, 0x07u, 0x00u}}, 1u, 122u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42A40500u, 0xFFFF0700u}}, 1u, 122, 11, 0, 0, 8, 1, 0},
         /* 797: request of stage_stored_setting_speed_pid */
-        {{0x141u, {0x42u, 0xA4u, 0x05u, 0x00u, 0x06u, 0x00u, 0x00u, 0x80u}}, 1u, 122u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42A40500u, 0x06000080u}}, 1u, 122, 12, 0, 0, 8, 1, 0},
         /* 798: reply of stage_stored_setting_speed_pid */
-        {{0x194u, {0x42u, 0xA4u, 0x02u, 0x01u, 0x04u, 0x03u, 0x06u, 0x05u}}, 20u, 123u, 5u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x194u, {0x42A40201u, 0x04030605u}}, 20u, 123, 5, 0, 0, 8, 3, 0},
         /* 799: reply of stage_stored_setting_speed_pid */
-        {{0x1A0u, {0x42u, 0xA4u, 0xD0u, 0x07u, 0xD0u, 0x07u, 0xD0u, 0x07u}}, 32u, 123u, 6u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x1A0u, {0x42A4D007u, 0xD007D007u}}, 32u, 123, 6, 0, 0, 8, 3, 0},
         /* 800: request of stage_stored_setting_current_pid */
-        {{0x141u, {0x42u, 0xA8u, 0x66u, 0x00u, 0x34u, 0x00u, 0x1Bu, 0x00u}}, 1u, 124u, 7u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 801: request of stage_stored_setting_current_pid */
-        {{0x154u, {0x42u, 0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 124u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42A86600u, 0x34001B00u}}, 1u, 124, 7, 0, 0, 8, 3, 0},
+        {{0x154u, {0x42A80000u}}, 20u, 124, 8, 0, 0, 8, 3, 0}, /* 801: request of stage_stored_setting_current_pid */
         /* 802: request of stage_stored_setting_current_pid */
-        {{0x160u, {0x42u, 0xA8u, 0x05u, 0x06u, 0x03u, 0x04u, 0x01u, 0x02u}}, 32u, 124u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x160u, {0x42A80506u, 0x03040102u}}, 32u, 124, 9, 0, 0, 8, 3, 0},
         /* 803: request of stage_stored_setting_current_pid */
-        {{0x141u, {0x42u, 0xA8u, 0xD1u, 0x07u, 0x06u, 0x00u, 0x07u, 0x00u}}, 1u, 124u, 10u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42A8D107u, 0x06000700u}}, 1u, 124, 10, 0, 0, 8, 1, 0},
         /* 804: request of stage_stored_setting_current_pid */
-        {{0x141u, {0x42u, 0xA8u, 0x05u, 0x00u, 0xFFu, 0xFFu, 0x07u, 0x00u}}, 1u, 124u, 11u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
+        {{0x141u, {0x42A80500u, 0xFFFF0700u}}, 1u, 124, 11, 0, 0, 8, 1, 0},
         /* 805: request of stage_stored_setting_current_pid */
-        {{0x141u, {0x42u, 0xA8u, 0x05u, 0x00u, 0x06u, 0x00u, 0x00u, 0x80u}}, 1u, 124u, 12u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 806: reply of stage_stored_setting_current_pid */
-        {{0x194u, {0x42u, 0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 20u, 125u, 8u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
+        {{0x141u, {0x42A80500u, 0x06000080u}}, 1u, 124, 12, 0, 0, 8, 1, 0},
+        {{0x194u, {0x42A80000u}}, 20u, 125, 8, 0, 0, 8, 3, 0}, /* 806: reply of stage_stored_setting_current_pid */
         /* 807: reply of stage_stored_setting_current_pid */
-        {{0x1A0u, {0x42u, 0xA8u, 0x05u, 0x06u, 0x03u, 0x04u, 0x01u, 0x02u}}, 32u, 125u, 9u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 808: request of save_stored_settings */
-        {{0x141u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 126u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 809: request of save_stored_settings */
-        {{0x160u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 126u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 810: request of save_stored_settings */
-        {{0x141u, {0x44u, 0x05u, 0xFAu, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 1u, 126u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 811: reply of save_stored_settings */
-        {{0x181u, {0x44u, 0x05u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 127u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 812: reply of save_stored_settings */
-        {{0x1A0u, {0x44u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 32u, 127u, 1u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE | CANWRIGHT_GOLDEN_ENCODED},
-        /* 813: reply of save_stored_settings */
-        {{0x181u, {0x44u, 0x05u, 0x02u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 127u, 2u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 814: reply of save_stored_settings */
-        {{0x181u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 127u, 3u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 815: reply of save_stored_settings */
-        {{0x181u, {0x44u, 0x05u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 127u, 4u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-        /* 816: reply of save_stored_settings */
-        {{0x194u, {0x44u, 0x05u, 0x01u, 0x03u, 0x04u, 0x05u, 0x06u, 0x07u}}, 20u, 127u, 0u, 0u, 8u,
-            CANWRIGHT_GOLDEN_UNIQUE},
-    };
-    static const canwright_golden_rejection_t rejections[] CANWRIGHT_FLASH = {
-        /* 817: request: unknown_id */
-        {{0x140u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 818: request: unknown_id */
-        {{0x161u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 819: request: unknown_id */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 820: request: unknown_id */
-        {{0x241u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 821: request: unknown_id */
-        {{0x280u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 822: request: unknown_id */
-        {{0x80000141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 823: request: unknown_id */
-        {{0x40000141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 1u, CANWRIGHT_UNKNOWN_ID},
-        /* 824: reply: unknown_id */
-        {{0x180u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 825: reply: unknown_id */
-        {{0x1A1u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 826: reply: unknown_id */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 827: reply: unknown_id */
-        {{0x160u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 828: reply: unknown_id */
-        {{0x241u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 829: reply: unknown_id */
-        {{0x80000181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 830: reply: unknown_id */
-        {{0x40000181u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 831: reply: unknown_id */
-        {{0x141u, {0x9Au, 0x19u, 0x00u, 0xF0u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_ID},
-        /* 832: request: wrong_length */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 833: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 834: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 835: request: wrong_length */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 9u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 836: request: wrong_length */
-        {{0x141u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
+        {{0x1A0u, {0x42A80506u, 0x03040102u}}, 32u, 125, 9, 0, 0, 8, 3, 0},
+        {{0x141u, {0x4405FA00u}}, 1u, 126, 0, 0, 0, 8, 3, 0}, /* 808: request of save_stored_settings */
+        {{0x160u, {0x4405FA00u}}, 32u, 126, 0, 0, 0, 8, 3, 0}, /* 809: request of save_stored_settings */
+        {{0x141u, {0x4405FA03u, 0x04050607u}}, 1u, 126, 0, 0, 0, 8, 1, 0}, /* 810: request of save_stored_settings */
+        {{0x181u, {0x44050100u}}, 1u, 127, 0, 0, 0, 8, 3, 0}, /* 811: reply of save_stored_settings */
+        {{0x1A0u, {0x44050000u}}, 32u, 127, 1, 0, 0, 8, 3, 0}, /* 812: reply of save_stored_settings */
+        {{0x181u, {0x44050200u}}, 1u, 127, 2, 0, 0, 8, 1, 0}, /* 813: reply of save_stored_settings */
+        {{0x181u, {0x4405FA00u}}, 1u, 127, 3, 0, 0, 8, 1, 0}, /* 814: reply of save_stored_settings */
+        {{0x181u, {0x4405FF00u}}, 1u, 127, 4, 0, 0, 8, 1, 0}, /* 815: reply of save_stored_settings */
+        {{0x194u, {0x44050103u, 0x04050607u}}, 20u, 127, 0, 0, 0, 8, 1, 0}, /* 816: reply of save_stored_settings */
+        {{0x140u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 817: request: unknown_id */
+        {{0x161u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 818: request: unknown_id */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 819: request: unknown_id */
+        {{0x241u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 820: request: unknown_id */
+        {{0x280u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 821: request: unknown_id */
+        {{0x80000141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_ID}, /* 822: request: unknown_id */
+        {{0x40000141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 4, CANWRIGHT_UNKNOWN_ID}, /* 823: request: unknown_id */
+        {{0x180u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 824: reply: unknown_id */
+        {{0x1A1u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 825: reply: unknown_id */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 826: reply: unknown_id */
+        {{0x160u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 827: reply: unknown_id */
+        {{0x241u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 828: reply: unknown_id */
+        {{0x80000181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 829: reply: unknown_id */
+        {{0x40000181u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 5, CANWRIGHT_UNKNOWN_ID}, /* 830: reply: unknown_id */
+        {{0x141u, {0x9A1900F0u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_ID}, /* 831: reply: unknown_id */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 4, CANWRIGHT_WRONG_LENGTH}, /* 832: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 1, 4, CANWRIGHT_WRONG_LENGTH}, /* 833: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 7, 4, CANWRIGHT_WRONG_LENGTH}, /* 834: request: wrong_length */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 9, 4, CANWRIGHT_WRONG_LENGTH}, /* 835: request: wrong_length */
+        {{0x141u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 2, 4, CANWRIGHT_WRONG_LENGTH}, /* 836: request: wrong_length */
         /* 837: request: wrong_length */
-        {{0x141u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 838: request: wrong_length */
-        {{0x141u, {0x40u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
+        {{0x141u, {0xC11E0000u, 0x64000000u}}, 0u, 0, 0, 0, 0, 7, 4, CANWRIGHT_WRONG_LENGTH},
+        {{0x141u, {0x40050000u}}, 0u, 0, 0, 0, 0, 2, 4, CANWRIGHT_WRONG_LENGTH}, /* 838: request: wrong_length */
         /* 839: request: wrong_length */
-        {{0x141u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 840: request: wrong_length */
-        {{0x141u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 3u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 841: request: wrong_length */
-        {{0x141u, {0x44u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 842: request: wrong_length */
-        {{0x141u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 3u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 843: request: wrong_length */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 844: request: wrong_length */
-        {{0x141u, {0x18u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 845: request: wrong_length */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 1u, CANWRIGHT_WRONG_LENGTH},
-        /* 846: request: unknown_code */
-        {{0x141u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 847: request: unknown_code */
-        {{0x141u, {0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 848: request: unknown_code */
-        {{0x141u, {0x07u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 849: request: unknown_code */
-        {{0x141u, {0x12u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 850: request: unknown_code */
-        {{0x141u, {0x17u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 851: request: unknown_code */
-        {{0x141u, {0x1Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 852: request: unknown_code */
-        {{0x141u, {0x30u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 853: request: unknown_code */
-        {{0x141u, {0x31u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 854: request: unknown_code */
-        {{0x141u, {0x32u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 855: request: unknown_code */
-        {{0x141u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 856: request: unknown_code */
-        {{0x141u, {0x34u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 857: request: unknown_code */
-        {{0x141u, {0x37u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 858: request: unknown_code */
-        {{0x141u, {0x38u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 859: request: unknown_code */
-        {{0x141u, {0x3Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 860: request: unknown_code */
-        {{0x141u, {0x41u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 861: request: unknown_code */
-        {{0x141u, {0x43u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 862: request: unknown_code */
-        {{0x141u, {0x45u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 863: request: unknown_code */
-        {{0x141u, {0x79u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 864: request: unknown_code */
-        {{0x141u, {0x82u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 865: request: unknown_code */
-        {{0x141u, {0x8Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 866: request: unknown_code */
-        {{0x141u, {0x8Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 867: request: unknown_code */
-        {{0x141u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 868: request: unknown_code */
-        {{0x141u, {0x93u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 869: request: unknown_code */
-        {{0x141u, {0x96u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 870: request: unknown_code */
-        {{0x141u, {0x9Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 871: request: unknown_code */
-        {{0x141u, {0x9Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 872: request: unknown_code */
-        {{0x141u, {0xA9u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 873: request: unknown_code */
-        {{0x141u, {0xADu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 874: request: unknown_code */
-        {{0x141u, {0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 875: request: unknown_code */
-        {{0x141u, {0xB1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 876: request: unknown_code */
-        {{0x141u, {0xBFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 877: request: unknown_code */
-        {{0x141u, {0xC2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 878: request: unknown_code */
-        {{0x141u, {0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 879: request: unknown_code */
-        {{0x141u, {0xC0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 880: request: unknown_code */
-        {{0x141u, {0xC0u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 881: request: unknown_code */
-        {{0x141u, {0xC0u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 882: request: unknown_code */
-        {{0x141u, {0xC0u, 0x1Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 883: request: unknown_code */
-        {{0x141u, {0xC0u, 0x21u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 884: request: unknown_code */
-        {{0x141u, {0xC0u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 885: request: unknown_code */
-        {{0x141u, {0xC0u, 0x25u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 886: request: unknown_code */
-        {{0x141u, {0xC0u, 0x27u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 887: request: unknown_code */
-        {{0x141u, {0xC0u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 888: request: unknown_code */
-        {{0x141u, {0xC1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 889: request: unknown_code */
-        {{0x141u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 890: request: unknown_code */
-        {{0x141u, {0xC1u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 891: request: unknown_code */
-        {{0x141u, {0xC1u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 892: request: unknown_code */
-        {{0x141u, {0x40u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 893: request: unknown_code */
-        {{0x141u, {0x40u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 894: request: unknown_code */
-        {{0x141u, {0x40u, 0x05u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 895: request: unknown_code */
-        {{0x141u, {0x40u, 0x05u, 0x0Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 896: request: unknown_code */
-        {{0x141u, {0x40u, 0x05u, 0xB1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 897: request: unknown_code */
-        {{0x141u, {0x40u, 0x05u, 0xE0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 898: request: unknown_code */
-        {{0x141u, {0x40u, 0x05u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 899: request: unknown_code */
-        {{0x141u, {0x40u, 0x04u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 900: request: unknown_code */
-        {{0x141u, {0x40u, 0x06u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 901: request: unknown_code */
-        {{0x141u, {0x40u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 902: request: unknown_code */
-        {{0x141u, {0x40u, 0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 903: request: unknown_code */
-        {{0x141u, {0x40u, 0xA5u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 904: request: unknown_code */
-        {{0x141u, {0x40u, 0xA9u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 905: request: unknown_code */
-        {{0x141u, {0x40u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 906: request: unknown_code */
-        {{0x141u, {0x42u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 907: request: unknown_code */
-        {{0x141u, {0x42u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 908: request: unknown_code */
-        {{0x141u, {0x42u, 0x05u, 0xE0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 909: request: unknown_code */
-        {{0x141u, {0x42u, 0x05u, 0xBBu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 910: request: unknown_code */
-        {{0x141u, {0x42u, 0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 911: request: unknown_code */
-        {{0x141u, {0x42u, 0x0Au, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_UNKNOWN_CODE},
-        /* 912: reply: wrong_length */
-        {{0x181u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 0u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 913: reply: wrong_length */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 1u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 914: reply: wrong_length */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 915: reply: wrong_length */
-        {{0x181u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 9u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 916: reply: wrong_length */
-        {{0x181u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
+        {{0x141u, {0x42050A00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 7, 4, CANWRIGHT_WRONG_LENGTH},
+        {{0x141u, {0x4405FA00u}}, 0u, 0, 0, 0, 0, 3, 4, CANWRIGHT_WRONG_LENGTH}, /* 840: request: wrong_length */
+        {{0x141u, {0x44050000u}}, 0u, 0, 0, 0, 0, 2, 4, CANWRIGHT_WRONG_LENGTH}, /* 841: request: wrong_length */
+        {{0x141u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 3, 4, CANWRIGHT_WRONG_LENGTH}, /* 842: request: wrong_length */
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 2, 4, CANWRIGHT_WRONG_LENGTH}, /* 843: request: wrong_length */
+        {{0x141u, {0x18000000u}}, 0u, 0, 0, 0, 0, 7, 4, CANWRIGHT_WRONG_LENGTH}, /* 844: request: wrong_length */
+        {{0x141u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 7, 4, CANWRIGHT_WRONG_LENGTH}, /* 845: request: wrong_length */
+        {{0x141u, {0x00000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 846: request: unknown_code */
+        {{0x141u, {0x01000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 847: request: unknown_code */
+        {{0x141u, {0x07000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 848: request: unknown_code */
+        {{0x141u, {0x12000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 849: request: unknown_code */
+        {{0x141u, {0x17000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 850: request: unknown_code */
+        {{0x141u, {0x1A000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 851: request: unknown_code */
+        {{0x141u, {0x30000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 852: request: unknown_code */
+        {{0x141u, {0x31000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 853: request: unknown_code */
+        {{0x141u, {0x32000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 854: request: unknown_code */
+        {{0x141u, {0x33000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 855: request: unknown_code */
+        {{0x141u, {0x34000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 856: request: unknown_code */
+        {{0x141u, {0x37000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 857: request: unknown_code */
+        {{0x141u, {0x38000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 858: request: unknown_code */
+        {{0x141u, {0x3F000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 859: request: unknown_code */
+        {{0x141u, {0x41000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 860: request: unknown_code */
+        {{0x141u, {0x43000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 861: request: unknown_code */
+        {{0x141u, {0x45000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 862: request: unknown_code */
+        {{0x141u, {0x79000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 863: request: unknown_code */
+        {{0x141u, {0x82000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 864: request: unknown_code */
+        {{0x141u, {0x8B000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 865: request: unknown_code */
+        {{0x141u, {0x8D000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 866: request: unknown_code */
+        {{0x141u, {0x91000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 867: request: unknown_code */
+        {{0x141u, {0x93000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 868: request: unknown_code */
+        {{0x141u, {0x96000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 869: request: unknown_code */
+        {{0x141u, {0x9E000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 870: request: unknown_code */
+        {{0x141u, {0x9F000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 871: request: unknown_code */
+        {{0x141u, {0xA9000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 872: request: unknown_code */
+        {{0x141u, {0xAD000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 873: request: unknown_code */
+        {{0x141u, {0xB0000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 874: request: unknown_code */
+        {{0x141u, {0xB1000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 875: request: unknown_code */
+        {{0x141u, {0xBF000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 876: request: unknown_code */
+        {{0x141u, {0xC2000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 877: request: unknown_code */
+        {{0x141u, {0xFF000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 878: request: unknown_code */
+        {{0x141u, {0xC0000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 879: request: unknown_code */
+        {{0x141u, {0xC0090000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 880: request: unknown_code */
+        {{0x141u, {0xC00D0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 881: request: unknown_code */
+        {{0x141u, {0xC01F0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 882: request: unknown_code */
+        {{0x141u, {0xC0210000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 883: request: unknown_code */
+        {{0x141u, {0xC0240000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 884: request: unknown_code */
+        {{0x141u, {0xC0250000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 885: request: unknown_code */
+        {{0x141u, {0xC0270000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 886: request: unknown_code */
+        {{0x141u, {0xC0FF0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 887: request: unknown_code */
+        {{0x141u, {0xC1000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 888: request: unknown_code */
+        {{0x141u, {0xC1240000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 889: request: unknown_code */
+        {{0x141u, {0xC10D0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 890: request: unknown_code */
+        {{0x141u, {0xC1FF0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 891: request: unknown_code */
+        {{0x141u, {0x40000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 892: request: unknown_code */
+        {{0x141u, {0x40050000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 893: request: unknown_code */
+        {{0x141u, {0x40050900u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 894: request: unknown_code */
+        {{0x141u, {0x40050E00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 895: request: unknown_code */
+        {{0x141u, {0x4005B100u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 896: request: unknown_code */
+        {{0x141u, {0x4005E000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 897: request: unknown_code */
+        {{0x141u, {0x4005FF00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 898: request: unknown_code */
+        {{0x141u, {0x40040A00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 899: request: unknown_code */
+        {{0x141u, {0x40060A00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 900: request: unknown_code */
+        {{0x141u, {0x400A0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 901: request: unknown_code */
+        {{0x141u, {0x40A10000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 902: request: unknown_code */
+        {{0x141u, {0x40A50000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 903: request: unknown_code */
+        {{0x141u, {0x40A90000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 904: request: unknown_code */
+        {{0x141u, {0x40FF0000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 905: request: unknown_code */
+        {{0x141u, {0x42000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 906: request: unknown_code */
+        {{0x141u, {0x42050000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 907: request: unknown_code */
+        {{0x141u, {0x4205E000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 908: request: unknown_code */
+        {{0x141u, {0x4205BB00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 909: request: unknown_code */
+        {{0x141u, {0x42A30000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 910: request: unknown_code */
+        {{0x141u, {0x420A0500u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_UNKNOWN_CODE}, /* 911: request: unknown_code */
+        {{0x181u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 5, CANWRIGHT_WRONG_LENGTH}, /* 912: reply: wrong_length */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 1, 5, CANWRIGHT_WRONG_LENGTH}, /* 913: reply: wrong_length */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 7, 5, CANWRIGHT_WRONG_LENGTH}, /* 914: reply: wrong_length */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 9, 5, CANWRIGHT_WRONG_LENGTH}, /* 915: reply: wrong_length */
+        {{0x181u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 2, 5, CANWRIGHT_WRONG_LENGTH}, /* 916: reply: wrong_length */
         /* 917: reply: wrong_length */
-        {{0x181u, {0xC1u, 0x1Eu, 0x00u, 0x00u, 0x64u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 918: reply: wrong_length */
-        {{0x181u, {0x40u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
+        {{0x181u, {0xC11E0000u, 0x64000000u}}, 0u, 0, 0, 0, 0, 7, 5, CANWRIGHT_WRONG_LENGTH},
+        {{0x181u, {0x40050000u}}, 0u, 0, 0, 0, 0, 2, 5, CANWRIGHT_WRONG_LENGTH}, /* 918: reply: wrong_length */
         /* 919: reply: wrong_length */
-        {{0x181u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 920: reply: wrong_length */
-        {{0x181u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 3u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 921: reply: wrong_length */
-        {{0x181u, {0x44u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 922: reply: wrong_length */
-        {{0x181u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 3u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 923: reply: wrong_length */
-        {{0x181u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 2u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 924: reply: wrong_length */
-        {{0x181u, {0x18u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 925: reply: wrong_length */
-        {{0x181u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 7u, 0u, 0u, CANWRIGHT_WRONG_LENGTH},
-        /* 926: reply: unknown_code */
-        {{0x181u, {0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 927: reply: unknown_code */
-        {{0x181u, {0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 928: reply: unknown_code */
-        {{0x181u, {0x07u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 929: reply: unknown_code */
-        {{0x181u, {0x12u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 930: reply: unknown_code */
-        {{0x181u, {0x17u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 931: reply: unknown_code */
-        {{0x181u, {0x1Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 932: reply: unknown_code */
-        {{0x181u, {0x30u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 933: reply: unknown_code */
-        {{0x181u, {0x31u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 934: reply: unknown_code */
-        {{0x181u, {0x32u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 935: reply: unknown_code */
-        {{0x181u, {0x33u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 936: reply: unknown_code */
-        {{0x181u, {0x34u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 937: reply: unknown_code */
-        {{0x181u, {0x37u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 938: reply: unknown_code */
-        {{0x181u, {0x38u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 939: reply: unknown_code */
-        {{0x181u, {0x3Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 940: reply: unknown_code */
-        {{0x181u, {0x41u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 941: reply: unknown_code */
-        {{0x181u, {0x43u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 942: reply: unknown_code */
-        {{0x181u, {0x45u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 943: reply: unknown_code */
-        {{0x181u, {0x79u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 944: reply: unknown_code */
-        {{0x181u, {0x82u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 945: reply: unknown_code */
-        {{0x181u, {0x8Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 946: reply: unknown_code */
-        {{0x181u, {0x8Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 947: reply: unknown_code */
-        {{0x181u, {0x91u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 948: reply: unknown_code */
-        {{0x181u, {0x93u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 949: reply: unknown_code */
-        {{0x181u, {0x96u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 950: reply: unknown_code */
-        {{0x181u, {0x9Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 951: reply: unknown_code */
-        {{0x181u, {0x9Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 952: reply: unknown_code */
-        {{0x181u, {0xA9u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 953: reply: unknown_code */
-        {{0x181u, {0xADu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 954: reply: unknown_code */
-        {{0x181u, {0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 955: reply: unknown_code */
-        {{0x181u, {0xB1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 956: reply: unknown_code */
-        {{0x181u, {0xBFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 957: reply: unknown_code */
-        {{0x181u, {0xC2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 958: reply: unknown_code */
-        {{0x181u, {0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 959: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 960: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 961: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 962: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x1Fu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 963: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x21u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 964: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 965: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x25u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 966: reply: unknown_code */
-        {{0x181u, {0xC0u, 0x27u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 967: reply: unknown_code */
-        {{0x181u, {0xC0u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 968: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 969: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x24u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 970: reply: unknown_code */
-        {{0x181u, {0xC1u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 971: reply: unknown_code */
-        {{0x181u, {0xC1u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 972: reply: unknown_code */
-        {{0x181u, {0x40u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 973: reply: unknown_code */
-        {{0x181u, {0x40u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 974: reply: unknown_code */
-        {{0x181u, {0x40u, 0x05u, 0x09u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 975: reply: unknown_code */
-        {{0x181u, {0x40u, 0x05u, 0x0Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 976: reply: unknown_code */
-        {{0x181u, {0x40u, 0x05u, 0xB1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 977: reply: unknown_code */
-        {{0x181u, {0x40u, 0x05u, 0xE0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 978: reply: unknown_code */
-        {{0x181u, {0x40u, 0x05u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 979: reply: unknown_code */
-        {{0x181u, {0x40u, 0x04u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 980: reply: unknown_code */
-        {{0x181u, {0x40u, 0x06u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 981: reply: unknown_code */
-        {{0x181u, {0x40u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 982: reply: unknown_code */
-        {{0x181u, {0x40u, 0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 983: reply: unknown_code */
-        {{0x181u, {0x40u, 0xA5u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 984: reply: unknown_code */
-        {{0x181u, {0x40u, 0xA9u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 985: reply: unknown_code */
-        {{0x181u, {0x40u, 0xFFu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 986: reply: unknown_code */
-        {{0x181u, {0x42u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 987: reply: unknown_code */
-        {{0x181u, {0x42u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 988: reply: unknown_code */
-        {{0x181u, {0x42u, 0x05u, 0xE0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 989: reply: unknown_code */
-        {{0x181u, {0x42u, 0x05u, 0xBBu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 990: reply: unknown_code */
-        {{0x181u, {0x42u, 0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 991: reply: unknown_code */
-        {{0x181u, {0x42u, 0x0Au, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_UNKNOWN_CODE},
-        /* 992: request: wrong_constant */
-        {{0x141u, {0x44u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_WRONG_CONSTANT},
-        /* 993: request: wrong_constant */
-        {{0x141u, {0x44u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_WRONG_CONSTANT},
-        /* 994: request: wrong_constant */
-        {{0x141u, {0x44u, 0x05u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_WRONG_CONSTANT},
-        /* 995: request: wrong_constant */
-        {{0x141u, {0x44u, 0x04u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_WRONG_CONSTANT},
-        /* 996: request: wrong_constant */
-        {{0x141u, {0x44u, 0x05u, 0xFBu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_WRONG_CONSTANT},
-        /* 997: request: wrong_constant */
-        {{0x141u, {0x44u, 0xFAu, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 1u, CANWRIGHT_WRONG_CONSTANT},
-        /* 998: reply: wrong_constant */
-        {{0x181u, {0x44u, 0x00u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_WRONG_CONSTANT},
-        /* 999: reply: wrong_constant */
-        {{0x181u, {0x44u, 0x04u, 0x01u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_WRONG_CONSTANT},
-        /* 1000: reply: wrong_constant */
-        {{0x181u, {0x44u, 0x01u, 0x05u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 0u, 0u, CANWRIGHT_WRONG_CONSTANT},
+        {{0x181u, {0x42050A00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 7, 5, CANWRIGHT_WRONG_LENGTH},
+        {{0x181u, {0x4405FA00u}}, 0u, 0, 0, 0, 0, 3, 5, CANWRIGHT_WRONG_LENGTH}, /* 920: reply: wrong_length */
+        {{0x181u, {0x44050000u}}, 0u, 0, 0, 0, 0, 2, 5, CANWRIGHT_WRONG_LENGTH}, /* 921: reply: wrong_length */
+        {{0x181u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 3, 5, CANWRIGHT_WRONG_LENGTH}, /* 922: reply: wrong_length */
+        {{0x181u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 2, 5, CANWRIGHT_WRONG_LENGTH}, /* 923: reply: wrong_length */
+        {{0x181u, {0x18000000u}}, 0u, 0, 0, 0, 0, 7, 5, CANWRIGHT_WRONG_LENGTH}, /* 924: reply: wrong_length */
+        {{0x181u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 7, 5, CANWRIGHT_WRONG_LENGTH}, /* 925: reply: wrong_length */
+        {{0x181u, {0x00000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 926: reply: unknown_code */
+        {{0x181u, {0x01000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 927: reply: unknown_code */
+        {{0x181u, {0x07000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 928: reply: unknown_code */
+        {{0x181u, {0x12000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 929: reply: unknown_code */
+        {{0x181u, {0x17000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 930: reply: unknown_code */
+        {{0x181u, {0x1A000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 931: reply: unknown_code */
+        {{0x181u, {0x30000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 932: reply: unknown_code */
+        {{0x181u, {0x31000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 933: reply: unknown_code */
+        {{0x181u, {0x32000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 934: reply: unknown_code */
+        {{0x181u, {0x33000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 935: reply: unknown_code */
+        {{0x181u, {0x34000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 936: reply: unknown_code */
+        {{0x181u, {0x37000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 937: reply: unknown_code */
+        {{0x181u, {0x38000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 938: reply: unknown_code */
+        {{0x181u, {0x3F000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 939: reply: unknown_code */
+        {{0x181u, {0x41000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 940: reply: unknown_code */
+        {{0x181u, {0x43000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 941: reply: unknown_code */
+        {{0x181u, {0x45000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 942: reply: unknown_code */
+        {{0x181u, {0x79000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 943: reply: unknown_code */
+        {{0x181u, {0x82000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 944: reply: unknown_code */
+        {{0x181u, {0x8B000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 945: reply: unknown_code */
+        {{0x181u, {0x8D000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 946: reply: unknown_code */
+        {{0x181u, {0x91000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 947: reply: unknown_code */
+        {{0x181u, {0x93000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 948: reply: unknown_code */
+        {{0x181u, {0x96000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 949: reply: unknown_code */
+        {{0x181u, {0x9E000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 950: reply: unknown_code */
+        {{0x181u, {0x9F000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 951: reply: unknown_code */
+        {{0x181u, {0xA9000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 952: reply: unknown_code */
+        {{0x181u, {0xAD000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 953: reply: unknown_code */
+        {{0x181u, {0xB0000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 954: reply: unknown_code */
+        {{0x181u, {0xB1000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 955: reply: unknown_code */
+        {{0x181u, {0xBF000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 956: reply: unknown_code */
+        {{0x181u, {0xC2000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 957: reply: unknown_code */
+        {{0x181u, {0xFF000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 958: reply: unknown_code */
+        {{0x181u, {0xC0000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 959: reply: unknown_code */
+        {{0x181u, {0xC0090000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 960: reply: unknown_code */
+        {{0x181u, {0xC00D0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 961: reply: unknown_code */
+        {{0x181u, {0xC01F0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 962: reply: unknown_code */
+        {{0x181u, {0xC0210000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 963: reply: unknown_code */
+        {{0x181u, {0xC0240000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 964: reply: unknown_code */
+        {{0x181u, {0xC0250000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 965: reply: unknown_code */
+        {{0x181u, {0xC0270000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 966: reply: unknown_code */
+        {{0x181u, {0xC0FF0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 967: reply: unknown_code */
+        {{0x181u, {0xC1000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 968: reply: unknown_code */
+        {{0x181u, {0xC1240000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 969: reply: unknown_code */
+        {{0x181u, {0xC10D0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 970: reply: unknown_code */
+        {{0x181u, {0xC1FF0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 971: reply: unknown_code */
+        {{0x181u, {0x40000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 972: reply: unknown_code */
+        {{0x181u, {0x40050000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 973: reply: unknown_code */
+        {{0x181u, {0x40050900u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 974: reply: unknown_code */
+        {{0x181u, {0x40050E00u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 975: reply: unknown_code */
+        {{0x181u, {0x4005B100u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 976: reply: unknown_code */
+        {{0x181u, {0x4005E000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 977: reply: unknown_code */
+        {{0x181u, {0x4005FF00u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 978: reply: unknown_code */
+        {{0x181u, {0x40040A00u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 979: reply: unknown_code */
+        {{0x181u, {0x40060A00u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 980: reply: unknown_code */
+        {{0x181u, {0x400A0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 981: reply: unknown_code */
+        {{0x181u, {0x40A10000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 982: reply: unknown_code */
+        {{0x181u, {0x40A50000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 983: reply: unknown_code */
+        {{0x181u, {0x40A90000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 984: reply: unknown_code */
+        {{0x181u, {0x40FF0000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 985: reply: unknown_code */
+        {{0x181u, {0x42000000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 986: reply: unknown_code */
+        {{0x181u, {0x42050000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 987: reply: unknown_code */
+        {{0x181u, {0x4205E000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 988: reply: unknown_code */
+        {{0x181u, {0x4205BB00u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 989: reply: unknown_code */
+        {{0x181u, {0x42A30000u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 990: reply: unknown_code */
+        {{0x181u, {0x420A0500u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_UNKNOWN_CODE}, /* 991: reply: unknown_code */
+        {{0x141u, {0x44000000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_WRONG_CONSTANT}, /* 992: request: wrong_constant */
+        {{0x141u, {0x44050000u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_WRONG_CONSTANT}, /* 993: request: wrong_constant */
+        {{0x141u, {0x44050100u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_WRONG_CONSTANT}, /* 994: request: wrong_constant */
+        {{0x141u, {0x4404FA00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_WRONG_CONSTANT}, /* 995: request: wrong_constant */
+        {{0x141u, {0x4405FB00u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_WRONG_CONSTANT}, /* 996: request: wrong_constant */
+        {{0x141u, {0x44FA0500u}}, 0u, 0, 0, 0, 0, 8, 4, CANWRIGHT_WRONG_CONSTANT}, /* 997: request: wrong_constant */
+        {{0x181u, {0x44000100u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_WRONG_CONSTANT}, /* 998: reply: wrong_constant */
+        {{0x181u, {0x44040100u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_WRONG_CONSTANT}, /* 999: reply: wrong_constant */
+        {{0x181u, {0x44010500u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_WRONG_CONSTANT}, /* 1000: reply: wrong_constant */
         /* 1001: reply: missing_parameter */
-        {{0x181u, {0xA2u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 1002: reply: missing_parameter */
-        {{0x181u, {0xA3u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA3326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 1003: reply: missing_parameter */
-        {{0x181u, {0xA4u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA4326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 1004: reply: missing_parameter */
-        {{0x181u, {0xA5u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA5326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 1005: reply: missing_parameter */
-        {{0x181u, {0xA6u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA6326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 1006: reply: missing_parameter */
-        {{0x181u, {0xA7u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA7326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 1007: reply: missing_parameter */
-        {{0x181u, {0xA8u, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0x181u, {0xA8326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 1008: reply: missing_parameter */
-        {{0x181u, {0x9Cu, 0x32u, 0x64u, 0x00u, 0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 0u, 0u, CANWRIGHT_MISSING_PARAMETER},
-    };
-    static const canwright_golden_refusal_t refusals[] CANWRIGHT_FLASH = {
+        {{0x181u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 5, CANWRIGHT_MISSING_PARAMETER},
         /* 1009: request of motor_off: unknown_node */
-        {0u, 0u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1010: request of motor_off: unknown_node */
-        {33u, 0u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1011: request of motor_off: unknown_node */
-        {-1u, 0u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 0, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1012: reply of motor_off: unknown_node */
-        {0u, 1u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1013: reply of motor_off: unknown_node */
-        {33u, 1u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1014: reply of motor_off: unknown_node */
-        {-1u, 1u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 1, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1015: request of set_speed: unknown_node */
-        {0u, 12u, 8u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 12, 8, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1016: request of set_speed: unknown_node */
-        {33u, 12u, 8u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 12, 8, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1017: request of set_speed: unknown_node */
-        {-1u, 12u, 8u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 12, 8, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1018: reply of read_multi_turn_angle: unknown_node */
-        {0u, 65u, 2u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 65, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1019: reply of read_multi_turn_angle: unknown_node */
-        {33u, 65u, 2u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 65, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1020: reply of read_multi_turn_angle: unknown_node */
-        {-1u, 65u, 2u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 65, 2, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1021: request of brake: unknown_node */
-        {0u, 6u, 1u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 6, 1, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1022: request of brake: unknown_node */
-        {33u, 6u, 1u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 6, 1, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1023: request of brake: unknown_node */
-        {-1u, 6u, 1u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 6, 1, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1024: request of read_control_parameter_max_speed: unknown_node */
-        {0u, 34u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 34, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1025: request of read_control_parameter_max_speed: unknown_node */
-        {33u, 34u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 34, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1026: request of read_control_parameter_max_speed: unknown_node */
-        {-1u, 34u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 34, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1027: request of save_stored_settings: unknown_node */
-        {0u, 126u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 126, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1028: request of save_stored_settings: unknown_node */
-        {33u, 126u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 126, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1029: request of save_stored_settings: unknown_node */
-        {-1u, 126u, 0u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 126, 0, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1030: reply of read_stored_setting_driver_id: unknown_node */
-        {0u, 79u, 1u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 0u, 79, 1, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1031: reply of read_stored_setting_driver_id: unknown_node */
-        {33u, 79u, 1u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, 33u, 79, 1, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1032: reply of read_stored_setting_driver_id: unknown_node */
-        {-1u, 79u, 1u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_UNKNOWN_NODE},
+        {{0u, {0x00000000u}}, -1u, 79, 1, 0, 0, 0, 6, CANWRIGHT_UNKNOWN_NODE},
         /* 1033: request of brake: out_of_range */
-        {1u, 6u, 3u, MWD_MOTOR_V2_36_2025_03_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 3, MWD_MOTOR_V2_36_2025_03_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1034: request of brake: out_of_range */
-        {1u, 6u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 6, MWD_MOTOR_V2_36_2025_03_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1035: request of brake: out_of_range */
-        {1u, 6u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 4, MWD_MOTOR_V2_36_2025_03_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1036: request of brake: out_of_range */
-        {1u, 6u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_ACTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 6, 5, MWD_MOTOR_V2_36_2025_03_FIELD_ACTION, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1037: reply of brake: out_of_range */
-        {1u, 7u, 2u, MWD_MOTOR_V2_36_2025_03_FIELD_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 7, 2, MWD_MOTOR_V2_36_2025_03_FIELD_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1038: reply of brake: out_of_range */
-        {1u, 7u, 3u, MWD_MOTOR_V2_36_2025_03_FIELD_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 7, 3, MWD_MOTOR_V2_36_2025_03_FIELD_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1039: reply of brake: out_of_range */
-        {1u, 7u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 7, 4, MWD_MOTOR_V2_36_2025_03_FIELD_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1040: request of set_power: out_of_range */
-        {1u, 8u, 8u, MWD_MOTOR_V2_36_2025_03_FIELD_POWER, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 8, MWD_MOTOR_V2_36_2025_03_FIELD_POWER, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1041: request of set_power: out_of_range */
-        {1u, 8u, 7u, MWD_MOTOR_V2_36_2025_03_FIELD_POWER, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 8, 7, MWD_MOTOR_V2_36_2025_03_FIELD_POWER, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1042: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1043: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1044: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1045: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1046: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1047: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1048: request of set_torque: out_of_range */
-        {1u, 10u, 11u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 11, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1049: request of set_torque: out_of_range */
-        {1u, 10u, 10u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 10, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1050: request of set_torque: out_of_range */
-        {1u, 10u, 3u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 10, 3, MWD_MOTOR_V2_36_2025_03_FIELD_IQ, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1051: request of set_speed: out_of_range */
-        {1u, 12u, 19u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 19, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 16, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1052: request of set_speed: out_of_range */
-        {1u, 12u, 20u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 20, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 16, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1053: request of set_speed: out_of_range */
-        {1u, 12u, 19u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 19, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1054: request of set_speed: out_of_range */
-        {1u, 12u, 20u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 20, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1055: request of set_speed: out_of_range */
-        {1u, 12u, 19u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 19, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1056: request of set_speed: out_of_range */
-        {1u, 12u, 20u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 20, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1057: request of set_speed: out_of_range */
-        {1u, 12u, 19u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 19, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1058: request of set_speed: out_of_range */
-        {1u, 12u, 20u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 20, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1059: request of set_speed: out_of_range */
-        {1u, 12u, 19u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 19, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1060: request of set_speed: out_of_range */
-        {1u, 12u, 20u, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 12, 20, MWD_MOTOR_V2_36_2025_03_FIELD_IQ_LIMIT, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1061: request of turn_to_angle: out_of_range */
-        {1u, 18u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 18, 14, MWD_MOTOR_V2_36_2025_03_FIELD_SPIN_DIRECTION, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1062: request of turn_to_angle: out_of_range */
-        {1u, 18u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 18, 15, MWD_MOTOR_V2_36_2025_03_FIELD_SPIN_DIRECTION, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1063: request of turn_to_angle_at_speed: out_of_range */
-        {1u, 20u, 7u, MWD_MOTOR_V2_36_2025_03_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 20, 7, MWD_MOTOR_V2_36_2025_03_FIELD_SPIN_DIRECTION, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1064: request of turn_to_angle_at_speed: out_of_range */
-        {1u, 20u, 8u, MWD_MOTOR_V2_36_2025_03_FIELD_SPIN_DIRECTION, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 20, 8, MWD_MOTOR_V2_36_2025_03_FIELD_SPIN_DIRECTION, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1065: reply of set_power: out_of_range */
-        {1u, 9u, 25u, MWD_MOTOR_V2_36_2025_03_FIELD_POWER, 1u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 9, 25, MWD_MOTOR_V2_36_2025_03_FIELD_POWER, 1, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1066: reply of set_power: out_of_range */
-        {1u, 9u, 26u, MWD_MOTOR_V2_36_2025_03_FIELD_POWER, 1u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 9, 26, MWD_MOTOR_V2_36_2025_03_FIELD_POWER, 1, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1067: reply of set_power: out_of_range */
-        {1u, 9u, 27u, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER, 1u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 9, 27, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER, 1, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1068: reply of set_torque: out_of_range */
-        {1u, 11u, 28u, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER, 14u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 28, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER, 14, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1069: reply of set_torque: out_of_range */
-        {1u, 11u, 27u, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER, 15u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 11, 27, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER, 15, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1070: reply of read_status_2: missing_parameter */
-        {1u, 75u, 12u, MWD_MOTOR_V2_36_2025_03_FIELD_NONE, 0u, CANWRIGHT_MISSING_PARAMETER},
+        {{0u, {0x00000000u}}, 1u, 75, 12, 0, 0, 0, 6, CANWRIGHT_MISSING_PARAMETER},
         /* 1071: reply of read_encoder: out_of_range */
-        {1u, 59u, 9u, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER, 17u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 59, 9, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER, 17, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1072: reply of read_encoder: out_of_range */
-        {1u, 59u, 10u, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED, 17u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 59, 10, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_MEASURED, 17, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1073: reply of read_encoder: out_of_range */
-        {1u, 59u, 11u, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET, 17u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 59, 11, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET, 17, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1074: reply of write_position_as_zero_rom: out_of_range */
-        {1u, 63u, 7u, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET, 17u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 63, 7, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET, 17, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1075: reply of write_position_as_zero_rom: out_of_range */
-        {1u, 63u, 8u, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET, 18u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 63, 8, MWD_MOTOR_V2_36_2025_03_FIELD_ENCODER_OFFSET, 18, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1076: reply of calibrate_encoder: out_of_range */
-        {1u, 61u, 10u, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 61, 10, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1077: reply of calibrate_encoder: out_of_range */
-        {1u, 61u, 11u, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 61, 11, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1078: reply of calibrate_encoder: out_of_range */
-        {1u, 61u, 12u, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 61, 12, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1079: reply of calibrate_encoder: out_of_range */
-        {1u, 61u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 61, 13, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1080: reply of calibrate_encoder: out_of_range */
-        {1u, 61u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 61, 14, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1081: reply of calibrate_encoder: out_of_range */
-        {1u, 61u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 61, 15, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1082: reply of calibrate_encoder: out_of_range */
-        {1u, 61u, 16u, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 61, 16, MWD_MOTOR_V2_36_2025_03_FIELD_ALIGN_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1083: reply of read_multi_turn_angle: out_of_range */
-        {1u, 65u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 65, 13, MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1084: reply of read_multi_turn_angle: out_of_range */
-        {1u, 65u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 65, 14, MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1085: reply of read_single_turn_angle: out_of_range */
-        {1u, 67u, 1u, MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE, 20u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 67, 1, MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE, 20, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1086: reply of read_single_turn_angle: out_of_range */
-        {1u, 67u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE, 22u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 67, 6, MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE, 22, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1087: reply of read_single_turn_angle: out_of_range */
-        {1u, 67u, 3u, MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE, 21u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 67, 3, MWD_MOTOR_V2_36_2025_03_FIELD_ANGLE, 21, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1088: reply of read_status_1: out_of_range */
-        {1u, 71u, 22u, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 71, 22, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1089: reply of read_status_1: out_of_range */
-        {1u, 71u, 23u, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 71, 23, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1090: reply of read_status_1: out_of_range */
-        {1u, 71u, 24u, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 71, 24, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1091: reply of read_status_1: out_of_range */
-        {1u, 71u, 25u, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 71, 25, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1092: reply of clear_errors: out_of_range */
-        {1u, 73u, 22u, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 73, 22, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1093: reply of clear_errors: out_of_range */
-        {1u, 73u, 23u, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 73, 23, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1094: reply of clear_errors: out_of_range */
-        {1u, 73u, 24u, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 73, 24, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1095: reply of clear_errors: out_of_range */
-        {1u, 73u, 25u, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 73, 25, MWD_MOTOR_V2_36_2025_03_FIELD_MOTOR_STATE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1096: request of write_control_parameter_ram_angle_pid: out_of_range */
-        {1u, 42u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 42, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1097: request of write_control_parameter_ram_angle_pid: out_of_range */
-        {1u, 42u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 42, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1098: request of write_control_parameter_ram_angle_pid: out_of_range */
-        {1u, 42u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 42, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1099: reply of read_control_parameter_angle_pid: out_of_range */
-        {1u, 27u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 27, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1100: reply of read_control_parameter_angle_pid: out_of_range */
-        {1u, 27u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 27, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1101: reply of read_control_parameter_angle_pid: out_of_range */
-        {1u, 27u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 27, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1102: request of write_control_parameter_ram_speed_pid: out_of_range */
-        {1u, 44u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 44, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1103: request of write_control_parameter_ram_speed_pid: out_of_range */
-        {1u, 44u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 44, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1104: request of write_control_parameter_ram_speed_pid: out_of_range */
-        {1u, 44u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 44, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1105: reply of read_control_parameter_speed_pid: out_of_range */
-        {1u, 29u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 29, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1106: reply of read_control_parameter_speed_pid: out_of_range */
-        {1u, 29u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 29, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1107: reply of read_control_parameter_speed_pid: out_of_range */
-        {1u, 29u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 29, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1108: request of write_control_parameter_ram_current_pid: out_of_range */
-        {1u, 46u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 46, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1109: request of write_control_parameter_ram_current_pid: out_of_range */
-        {1u, 46u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 46, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1110: request of write_control_parameter_ram_current_pid: out_of_range */
-        {1u, 46u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 46, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1111: reply of read_control_parameter_current_pid: out_of_range */
-        {1u, 31u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 31, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1112: reply of read_control_parameter_current_pid: out_of_range */
-        {1u, 31u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 31, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1113: reply of read_control_parameter_current_pid: out_of_range */
-        {1u, 31u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 31, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1114: request of write_control_parameter_ram_max_torque_current: out_of_range */
-        {1u, 48u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 48, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 16, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1115: request of write_control_parameter_ram_max_torque_current: out_of_range */
-        {1u, 48u, 3u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 48, 3, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 16, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1116: request of write_control_parameter_ram_max_torque_current: out_of_range */
-        {1u, 48u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 48, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 5, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1117: request of write_control_parameter_ram_max_torque_current: out_of_range */
-        {1u, 48u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 48, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 5, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1118: request of write_control_parameter_ram_max_torque_current: out_of_range */
-        {1u, 48u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 48, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 6, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1119: request of write_control_parameter_ram_max_torque_current: out_of_range */
-        {1u, 48u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 48, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 6, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1120: request of write_control_parameter_ram_max_torque_current: out_of_range */
-        {1u, 48u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 48, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 4, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1121: request of write_control_parameter_ram_max_torque_current: out_of_range */
-        {1u, 48u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 48, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 4, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1122: reply of read_control_parameter_max_torque_current: out_of_range */
-        {1u, 33u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 33, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 16, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1123: reply of read_control_parameter_max_torque_current: out_of_range */
-        {1u, 33u, 3u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 33, 3, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 16, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1124: reply of read_control_parameter_max_torque_current: out_of_range */
-        {1u, 33u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 33, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 5, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1125: reply of read_control_parameter_max_torque_current: out_of_range */
-        {1u, 33u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 33, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 5, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1126: reply of read_control_parameter_max_torque_current: out_of_range */
-        {1u, 33u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 33, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 6, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1127: reply of read_control_parameter_max_torque_current: out_of_range */
-        {1u, 33u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 33, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 6, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1128: reply of read_control_parameter_max_torque_current: out_of_range */
-        {1u, 33u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 33, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 4, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1129: reply of read_control_parameter_max_torque_current: out_of_range */
-        {1u, 33u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 33, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_TORQUE_CURRENT, 4, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1130: request of write_control_parameter_ram_max_speed: out_of_range */
-        {1u, 50u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 50, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1131: request of write_control_parameter_ram_max_speed: out_of_range */
-        {1u, 50u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 50, 5, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1132: reply of read_control_parameter_max_speed: out_of_range */
-        {1u, 35u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 35, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1133: reply of read_control_parameter_max_speed: out_of_range */
-        {1u, 35u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 35, 5, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1134: request of write_control_parameter_ram_speed_ramp: out_of_range */
-        {1u, 56u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 56, 6, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1135: request of write_control_parameter_ram_speed_ramp: out_of_range */
-        {1u, 56u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 56, 5, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1136: reply of read_control_parameter_speed_ramp: out_of_range */
-        {1u, 41u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 41, 6, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1137: reply of read_control_parameter_speed_ramp: out_of_range */
-        {1u, 41u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 41, 5, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1138: request of stage_stored_setting_driver_id: out_of_range */
-        {1u, 102u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 102, 4, MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1139: reply of read_stored_setting_driver_id: out_of_range */
-        {1u, 79u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 79, 4, MWD_MOTOR_V2_36_2025_03_FIELD_DRIVER_ID, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1140: request of stage_stored_setting_bus_type: out_of_range */
-        {1u, 104u, 3u, MWD_MOTOR_V2_36_2025_03_FIELD_BUS_TYPE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 104, 3, MWD_MOTOR_V2_36_2025_03_FIELD_BUS_TYPE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1141: request of stage_stored_setting_bus_type: out_of_range */
-        {1u, 104u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_BUS_TYPE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 104, 4, MWD_MOTOR_V2_36_2025_03_FIELD_BUS_TYPE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1142: reply of read_stored_setting_bus_type: out_of_range */
-        {1u, 81u, 3u, MWD_MOTOR_V2_36_2025_03_FIELD_BUS_TYPE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 81, 3, MWD_MOTOR_V2_36_2025_03_FIELD_BUS_TYPE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1143: reply of read_stored_setting_bus_type: out_of_range */
-        {1u, 81u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_BUS_TYPE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 81, 4, MWD_MOTOR_V2_36_2025_03_FIELD_BUS_TYPE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1144: request of stage_stored_setting_rs485_baud_rate: out_of_range */
-        {1u, 106u, 11u, MWD_MOTOR_V2_36_2025_03_FIELD_RS485_BAUD_RATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 106, 11, MWD_MOTOR_V2_36_2025_03_FIELD_RS485_BAUD_RATE, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1145: request of stage_stored_setting_rs485_baud_rate: out_of_range */
-        {1u, 106u, 12u, MWD_MOTOR_V2_36_2025_03_FIELD_RS485_BAUD_RATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 106, 12, MWD_MOTOR_V2_36_2025_03_FIELD_RS485_BAUD_RATE, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1146: reply of read_stored_setting_rs485_baud_rate: out_of_range */
-        {1u, 83u, 11u, MWD_MOTOR_V2_36_2025_03_FIELD_RS485_BAUD_RATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 83, 11, MWD_MOTOR_V2_36_2025_03_FIELD_RS485_BAUD_RATE, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1147: reply of read_stored_setting_rs485_baud_rate: out_of_range */
-        {1u, 83u, 12u, MWD_MOTOR_V2_36_2025_03_FIELD_RS485_BAUD_RATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 83, 12, MWD_MOTOR_V2_36_2025_03_FIELD_RS485_BAUD_RATE, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1148: request of stage_stored_setting_can_baud_rate: out_of_range */
-        {1u, 108u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_CAN_BAUD_RATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 108, 5, MWD_MOTOR_V2_36_2025_03_FIELD_CAN_BAUD_RATE, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1149: request of stage_stored_setting_can_baud_rate: out_of_range */
-        {1u, 108u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_CAN_BAUD_RATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 108, 6, MWD_MOTOR_V2_36_2025_03_FIELD_CAN_BAUD_RATE, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1150: reply of read_stored_setting_can_baud_rate: out_of_range */
-        {1u, 85u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_CAN_BAUD_RATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 85, 5, MWD_MOTOR_V2_36_2025_03_FIELD_CAN_BAUD_RATE, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1151: reply of read_stored_setting_can_baud_rate: out_of_range */
-        {1u, 85u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_CAN_BAUD_RATE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 85, 6, MWD_MOTOR_V2_36_2025_03_FIELD_CAN_BAUD_RATE, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1152: request of stage_stored_setting_max_power: out_of_range */
-        {1u, 110u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 110, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 16, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1153: request of stage_stored_setting_max_power: out_of_range */
-        {1u, 110u, 3u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 110, 3, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 16, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1154: request of stage_stored_setting_max_power: out_of_range */
-        {1u, 110u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 110, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1155: request of stage_stored_setting_max_power: out_of_range */
-        {1u, 110u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 110, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1156: request of stage_stored_setting_max_power: out_of_range */
-        {1u, 110u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 110, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1157: request of stage_stored_setting_max_power: out_of_range */
-        {1u, 110u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 110, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1158: request of stage_stored_setting_max_power: out_of_range */
-        {1u, 110u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 110, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1159: request of stage_stored_setting_max_power: out_of_range */
-        {1u, 110u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 110, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1160: reply of read_stored_setting_max_power: out_of_range */
-        {1u, 87u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 87, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 16, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1161: reply of read_stored_setting_max_power: out_of_range */
-        {1u, 87u, 3u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 16u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 87, 3, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 16, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1162: reply of read_stored_setting_max_power: out_of_range */
-        {1u, 87u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 87, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1163: reply of read_stored_setting_max_power: out_of_range */
-        {1u, 87u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 5u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 87, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 5, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1164: reply of read_stored_setting_max_power: out_of_range */
-        {1u, 87u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 87, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1165: reply of read_stored_setting_max_power: out_of_range */
-        {1u, 87u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 6u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 87, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 6, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1166: reply of read_stored_setting_max_power: out_of_range */
-        {1u, 87u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 87, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1167: reply of read_stored_setting_max_power: out_of_range */
-        {1u, 87u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 4u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 87, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_POWER, 4, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1168: request of stage_stored_setting_max_speed: out_of_range */
-        {1u, 112u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 112, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1169: request of stage_stored_setting_max_speed: out_of_range */
-        {1u, 112u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 112, 5, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1170: reply of read_stored_setting_max_speed: out_of_range */
-        {1u, 89u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 89, 6, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1171: reply of read_stored_setting_max_speed: out_of_range */
-        {1u, 89u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 89, 5, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_SPEED, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1172: request of stage_stored_setting_max_angle: out_of_range */
-        {1u, 114u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 114, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_ANGLE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1173: reply of read_stored_setting_max_angle: out_of_range */
-        {1u, 91u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_ANGLE, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 91, 4, MWD_MOTOR_V2_36_2025_03_FIELD_MAX_ANGLE, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1174: request of stage_stored_setting_current_ramp: out_of_range */
-        {1u, 116u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 116, 5, MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1175: request of stage_stored_setting_current_ramp: out_of_range */
-        {1u, 116u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 116, 4, MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP, 0, 0, 6,
+            CANWRIGHT_OUT_OF_RANGE},
         /* 1176: reply of read_stored_setting_current_ramp: out_of_range */
-        {1u, 93u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 93, 5, MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1177: reply of read_stored_setting_current_ramp: out_of_range */
-        {1u, 93u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 93, 4, MWD_MOTOR_V2_36_2025_03_FIELD_CURRENT_RAMP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1178: request of stage_stored_setting_speed_ramp: out_of_range */
-        {1u, 118u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 118, 6, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1179: request of stage_stored_setting_speed_ramp: out_of_range */
-        {1u, 118u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 118, 5, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1180: reply of read_stored_setting_speed_ramp: out_of_range */
-        {1u, 95u, 6u, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 95, 6, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1181: reply of read_stored_setting_speed_ramp: out_of_range */
-        {1u, 95u, 5u, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 95, 5, MWD_MOTOR_V2_36_2025_03_FIELD_SPEED_RAMP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1182: request of stage_stored_setting_angle_pid: out_of_range */
-        {1u, 120u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 120, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1183: request of stage_stored_setting_angle_pid: out_of_range */
-        {1u, 120u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 120, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1184: request of stage_stored_setting_angle_pid: out_of_range */
-        {1u, 120u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 120, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1185: reply of read_stored_setting_angle_pid: out_of_range */
-        {1u, 97u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 97, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1186: reply of read_stored_setting_angle_pid: out_of_range */
-        {1u, 97u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 97, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1187: reply of read_stored_setting_angle_pid: out_of_range */
-        {1u, 97u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 97, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1188: request of stage_stored_setting_speed_pid: out_of_range */
-        {1u, 122u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 122, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1189: request of stage_stored_setting_speed_pid: out_of_range */
-        {1u, 122u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 122, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1190: request of stage_stored_setting_speed_pid: out_of_range */
-        {1u, 122u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 122, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1191: reply of read_stored_setting_speed_pid: out_of_range */
-        {1u, 99u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 99, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1192: reply of read_stored_setting_speed_pid: out_of_range */
-        {1u, 99u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 99, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1193: reply of read_stored_setting_speed_pid: out_of_range */
-        {1u, 99u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 99, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1194: request of stage_stored_setting_current_pid: out_of_range */
-        {1u, 124u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 124, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1195: request of stage_stored_setting_current_pid: out_of_range */
-        {1u, 124u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 124, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1196: request of stage_stored_setting_current_pid: out_of_range */
-        {1u, 124u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 124, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1197: reply of read_stored_setting_current_pid: out_of_range */
-        {1u, 101u, 13u, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 101, 13, MWD_MOTOR_V2_36_2025_03_FIELD_KP, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1198: reply of read_stored_setting_current_pid: out_of_range */
-        {1u, 101u, 14u, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 101, 14, MWD_MOTOR_V2_36_2025_03_FIELD_KI, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1199: reply of read_stored_setting_current_pid: out_of_range */
-        {1u, 101u, 15u, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 101, 15, MWD_MOTOR_V2_36_2025_03_FIELD_KD, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1200: reply of save_stored_settings: out_of_range */
-        {1u, 127u, 2u, MWD_MOTOR_V2_36_2025_03_FIELD_RESULT, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 127, 2, MWD_MOTOR_V2_36_2025_03_FIELD_RESULT, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
         /* 1201: reply of save_stored_settings: out_of_range */
-        {1u, 127u, 4u, MWD_MOTOR_V2_36_2025_03_FIELD_RESULT, 0u, CANWRIGHT_OUT_OF_RANGE},
+        {{0u, {0x00000000u}}, 1u, 127, 4, MWD_MOTOR_V2_36_2025_03_FIELD_RESULT, 0, 0, 6, CANWRIGHT_OUT_OF_RANGE},
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1202: a request */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1202: and a reply: ok */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1203: a request */
+        /* 1203: and a reply: not_answer */
+        {{0x181u, {0x80000000u, 0x00000001u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1204: a request */
+        {{0x182u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 1204: and a reply: not_answer */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1205: a request */
+        {{0x141u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 1205: and a reply: not_answer */
+        {{0x141u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1206: a request */
+        {{0x181u, {0x80000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 1206: and a reply: not_answer */
+        {{0x142u, {0x81000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1207: a request */
+        {{0x182u, {0x81000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1207: and a reply: ok */
+        {{0x142u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1208: a request */
+        {{0x182u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1208: and a reply: ok */
+        {{0x142u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1209: a request */
+        {{0x182u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1209: and a reply: ok */
+        {{0x142u, {0x95000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1210: a request */
+        /* 1210: and a reply: not_answer */
+        {{0x182u, {0x95000000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0xA0000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1211: a request */
+        {{0x181u, {0xA0326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1211: and a reply: ok */
+        {{0x141u, {0xA1000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1212: a request */
+        {{0x181u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1212: and a reply: ok */
+        {{0x141u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1213: a request */
+        {{0x181u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1213: and a reply: ok */
+        {{0x141u, {0xA3000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1214: a request */
+        {{0x181u, {0xA3326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1214: and a reply: ok */
+        {{0x141u, {0xA4000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1215: a request */
+        {{0x181u, {0xA4326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1215: and a reply: ok */
+        {{0x141u, {0xA5000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1216: a request */
+        {{0x181u, {0xA5326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1216: and a reply: ok */
+        {{0x141u, {0xA6000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1217: a request */
+        {{0x181u, {0xA6326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1217: and a reply: ok */
+        {{0x141u, {0xA7000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1218: a request */
+        {{0x181u, {0xA7326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1218: and a reply: ok */
+        {{0x141u, {0xA8000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1219: a request */
+        {{0x181u, {0xA8326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1219: and a reply: ok */
+        {{0x141u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1220: a request */
+        /* 1220: and a reply: not_answer */
+        {{0x181u, {0xA1326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x160u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1221: a request */
+        {{0x1A0u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1221: and a reply: ok */
+        {{0x160u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1222: a request */
+        /* 1222: and a reply: not_answer */
+        {{0x19Fu, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x160u, {0xA2000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1223: a request */
+        /* 1223: and a reply: not_answer */
+        {{0x160u, {0xA2326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1224: a request */
+        {{0x181u, {0x9B196009u, 0x96000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1224: and a reply: ok */
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1225: a request */
+        /* 1225: and a reply: not_answer */
+        {{0x181u, {0x9A196009u, 0x96000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1226: a request */
+        {{0x181u, {0x9A196009u, 0x96000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1226: and a reply: ok */
+        {{0x141u, {0x9A000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1227: a request */
+        /* 1227: and a reply: not_answer */
+        {{0x181u, {0x9B196009u, 0x96000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x141u, {0x9B000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1228: a request */
+        /* 1228: and a reply: not_answer */
+        {{0x181u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x142u, {0x9C000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1229: a request */
+        {{0x182u, {0x9C326400u, 0xF401E803u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1229: and a reply: ok */
+        {{0x142u, {0x9D000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1230: a request */
+        {{0x182u, {0x9D194000u, 0xC0FF0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1230: and a reply: ok */
+        {{0x142u, {0x8C100000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1231: a request */
+        {{0x182u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1231: and a reply: ok */
+        {{0x142u, {0x8C000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1232: a request */
+        {{0x182u, {0x8C010000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1232: and a reply: ok */
+        {{0x142u, {0x8C100000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1233: a request */
+        {{0x182u, {0x88000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 1233: and a reply: not_answer */
+        {{0x142u, {0x90000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1234: a request */
+        {{0x182u, {0x90000102u, 0x03040506u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1234: and a reply: ok */
+        {{0x142u, {0x18000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1235: a request */
+        {{0x182u, {0x1840E201u, 0x00E80311u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1235: and a reply: ok */
+        {{0x142u, {0x18000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1236: a request */
+        {{0x182u, {0x19000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 1236: and a reply: not_answer */
+        {{0x142u, {0x19000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1237: a request */
+        {{0x182u, {0x19000000u, 0x00003412u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1237: and a reply: ok */
+        {{0x142u, {0x92000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1238: a request */
+        {{0x182u, {0x92A08C00u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1238: and a reply: ok */
+        {{0x142u, {0x94000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1239: a request */
+        {{0x182u, {0x94000000u, 0x50460000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1239: and a reply: ok */
+        {{0x143u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1240: a request */
+        {{0x183u, {0xC00A6400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1240: and a reply: ok */
+        {{0x143u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1241: a request */
+        /* 1241: and a reply: not_answer */
+        {{0x183u, {0xC00B6400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x143u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1242: a request */
+        /* 1242: and a reply: not_answer */
+        {{0x183u, {0xC10A6400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x143u, {0xC1200000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1243: a request */
+        {{0x183u, {0xC1200000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1243: and a reply: ok */
+        {{0x143u, {0xC1200000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1244: a request */
+        {{0x183u, {0xC1200000u, 0x50460000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1244: and a reply: ok */
+        {{0x143u, {0xC1200000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1245: a request */
+        /* 1245: and a reply: not_answer */
+        {{0x183u, {0xC1220000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x143u, {0xC1220000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1246: a request */
+        /* 1246: and a reply: not_answer */
+        {{0x183u, {0xC1230000u, 0xA08C0000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x144u, {0xC00A0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1247: a request */
+        {{0x184u, {0xC00A0000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1247: and a reply: ok */
+        {{0x144u, {0xC00B0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1248: a request */
+        {{0x184u, {0xC00B0000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1248: and a reply: ok */
+        {{0x144u, {0xC00C0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1249: a request */
+        {{0x184u, {0xC00C0000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1249: and a reply: ok */
+        {{0x144u, {0xC01E0000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1250: a request */
+        {{0x184u, {0xC01E0000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1250: and a reply: ok */
+        {{0x144u, {0xC0200000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1251: a request */
+        {{0x184u, {0xC0200000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1251: and a reply: ok */
+        {{0x144u, {0xC0220000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1252: a request */
+        {{0x184u, {0xC0220000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1252: and a reply: ok */
+        {{0x144u, {0xC0230000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1253: a request */
+        {{0x184u, {0xC0230000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1253: and a reply: ok */
+        {{0x144u, {0xC0260000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1254: a request */
+        {{0x184u, {0xC0260000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1254: and a reply: ok */
+        {{0x144u, {0x40050A00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1255: a request */
+        {{0x184u, {0x40050A00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1255: and a reply: ok */
+        {{0x144u, {0x40050B00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1256: a request */
+        {{0x184u, {0x40050B00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1256: and a reply: ok */
+        {{0x144u, {0x40050C00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1257: a request */
+        {{0x184u, {0x40050C00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1257: and a reply: ok */
+        {{0x144u, {0x40050D00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1258: a request */
+        {{0x184u, {0x40050D00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1258: and a reply: ok */
+        {{0x144u, {0x4005B000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1259: a request */
+        {{0x184u, {0x4005B000u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1259: and a reply: ok */
+        {{0x144u, {0x4005B200u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1260: a request */
+        {{0x184u, {0x4005B200u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1260: and a reply: ok */
+        {{0x144u, {0x4005B400u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1261: a request */
+        {{0x184u, {0x4005B400u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1261: and a reply: ok */
+        {{0x144u, {0x4005BA00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1262: a request */
+        {{0x184u, {0x4005BA00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1262: and a reply: ok */
+        {{0x144u, {0x4005BC00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1263: a request */
+        {{0x184u, {0x4005BC00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1263: and a reply: ok */
+        {{0x144u, {0x40A00000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1264: a request */
+        {{0x184u, {0x40A06400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1264: and a reply: ok */
+        {{0x144u, {0x40A40000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1265: a request */
+        {{0x184u, {0x40A46400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1265: and a reply: ok */
+        {{0x144u, {0x40A80000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1266: a request */
+        {{0x184u, {0x40A86400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1266: and a reply: ok */
+        {{0x144u, {0x40050A00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1267: a request */
+        /* 1267: and a reply: not_answer */
+        {{0x184u, {0x40050B00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x144u, {0x40A00000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1268: a request */
+        /* 1268: and a reply: not_answer */
+        {{0x184u, {0x40A46400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x144u, {0x40A00000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1269: a request */
+        /* 1269: and a reply: not_answer */
+        {{0x184u, {0x40050A00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x144u, {0x40050A00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1270: a request */
+        /* 1270: and a reply: not_answer */
+        {{0x184u, {0x40A00A00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x144u, {0x40050A00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1271: a request */
+        /* 1271: and a reply: not_answer */
+        {{0x184u, {0x42050A00u, 0x01000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x144u, {0x42050A00u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1272: a request */
+        {{0x184u, {0x42050A00u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1272: and a reply: ok */
+        {{0x144u, {0x42050A00u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1273: a request */
+        {{0x184u, {0x42050A00u, 0x04000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1273: and a reply: ok */
+        {{0x144u, {0x42050A00u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1274: a request */
+        /* 1274: and a reply: not_answer */
+        {{0x185u, {0x42050A00u, 0x05000000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x144u, {0x42A86400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1275: a request */
+        {{0x184u, {0x42A86400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1275: and a reply: ok */
+        {{0x144u, {0x42A86400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1276: a request */
+        /* 1276: and a reply: not_answer */
+        {{0x184u, {0x42A46400u, 0x32001900u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER},
+        {{0x144u, {0x4405FA00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1277: a request */
+        {{0x184u, {0x44050100u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1277: and a reply: ok */
+        {{0x144u, {0x4405FA00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1278: a request */
+        {{0x184u, {0x44050000u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_OK}, /* 1278: and a reply: ok */
+        {{0x144u, {0x4405FA00u}}, 0u, 0, 0, 0, 0, 8, 7, 0}, /* 1279: a request */
+        {{0x184u, {0x40050A00u}}, 0u, 0, 0, 0, 0, 8, 8, CANWRIGHT_NOT_ANSWER}, /* 1279: and a reply: not_answer */
     };
-    static const canwright_golden_exchange_t exchanges[] CANWRIGHT_FLASH = {
-        /* 1202: request and reply: ok */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1203: request and reply: not_answer */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x01u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1204: request and reply: not_answer */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1205: request and reply: not_answer */
-        {{0x141u, {0x80u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x141u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1206: request and reply: not_answer */
-        {{0x141u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x80u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1207: request and reply: ok */
-        {{0x142u, {0x81u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x81u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1208: request and reply: ok */
-        {{0x142u, {0x88u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x88u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1209: request and reply: ok */
-        {{0x142u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1210: request and reply: not_answer */
-        {{0x142u, {0x95u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x95u, 0x00u, 0x00u, 0x00u,
-            0xA0u, 0x8Cu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1211: request and reply: ok */
-        {{0x141u, {0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA0u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1212: request and reply: ok */
-        {{0x141u, {0xA1u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1213: request and reply: ok */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1214: request and reply: ok */
-        {{0x141u, {0xA3u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA3u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1215: request and reply: ok */
-        {{0x141u, {0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA4u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1216: request and reply: ok */
-        {{0x141u, {0xA5u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA5u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1217: request and reply: ok */
-        {{0x141u, {0xA6u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA6u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1218: request and reply: ok */
-        {{0x141u, {0xA7u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA7u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1219: request and reply: ok */
-        {{0x141u, {0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA8u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1220: request and reply: not_answer */
-        {{0x141u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0xA1u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1221: request and reply: ok */
-        {{0x160u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x1A0u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1222: request and reply: not_answer */
-        {{0x160u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x19Fu, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1223: request and reply: not_answer */
-        {{0x160u, {0xA2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x160u, {0xA2u, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1224: request and reply: ok */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x9Bu, 0x19u, 0x60u, 0x09u,
-            0x96u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1225: request and reply: not_answer */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x9Au, 0x19u, 0x60u, 0x09u,
-            0x96u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1226: request and reply: ok */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x9Au, 0x19u, 0x60u, 0x09u,
-            0x96u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1227: request and reply: not_answer */
-        {{0x141u, {0x9Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x9Bu, 0x19u, 0x60u, 0x09u,
-            0x96u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1228: request and reply: not_answer */
-        {{0x141u, {0x9Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x181u, {0x9Cu, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1229: request and reply: ok */
-        {{0x142u, {0x9Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x9Cu, 0x32u, 0x64u, 0x00u,
-            0xF4u, 0x01u, 0xE8u, 0x03u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1230: request and reply: ok */
-        {{0x142u, {0x9Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x9Du, 0x19u, 0x40u, 0x00u,
-            0xC0u, 0xFFu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1231: request and reply: ok */
-        {{0x142u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x8Cu, 0x01u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1232: request and reply: ok */
-        {{0x142u, {0x8Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x8Cu, 0x01u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1233: request and reply: not_answer */
-        {{0x142u, {0x8Cu, 0x10u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x88u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1234: request and reply: ok */
-        {{0x142u, {0x90u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x90u, 0x00u, 0x01u, 0x02u,
-            0x03u, 0x04u, 0x05u, 0x06u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1235: request and reply: ok */
-        {{0x142u, {0x18u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x18u, 0x40u, 0xE2u, 0x01u,
-            0x00u, 0xE8u, 0x03u, 0x11u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1236: request and reply: not_answer */
-        {{0x142u, {0x18u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x19u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1237: request and reply: ok */
-        {{0x142u, {0x19u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x19u, 0x00u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x34u, 0x12u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1238: request and reply: ok */
-        {{0x142u, {0x92u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x92u, 0xA0u, 0x8Cu, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1239: request and reply: ok */
-        {{0x142u, {0x94u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x182u, {0x94u, 0x00u, 0x00u, 0x00u,
-            0x50u, 0x46u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1240: request and reply: ok */
-        {{0x143u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x183u, {0xC0u, 0x0Au, 0x64u, 0x00u,
-            0x32u, 0x00u, 0x19u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1241: request and reply: not_answer */
-        {{0x143u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x183u, {0xC0u, 0x0Bu, 0x64u, 0x00u,
-            0x32u, 0x00u, 0x19u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1242: request and reply: not_answer */
-        {{0x143u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x183u, {0xC1u, 0x0Au, 0x64u, 0x00u,
-            0x32u, 0x00u, 0x19u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1243: request and reply: ok */
-        {{0x143u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, {0x183u, {0xC1u, 0x20u, 0x00u, 0x00u,
-            0xA0u, 0x8Cu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1244: request and reply: ok */
-        {{0x143u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, {0x183u, {0xC1u, 0x20u, 0x00u, 0x00u,
-            0x50u, 0x46u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1245: request and reply: not_answer */
-        {{0x143u, {0xC1u, 0x20u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, {0x183u, {0xC1u, 0x22u, 0x00u, 0x00u,
-            0xA0u, 0x8Cu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1246: request and reply: not_answer */
-        {{0x143u, {0xC1u, 0x22u, 0x00u, 0x00u, 0xA0u, 0x8Cu, 0x00u, 0x00u}}, {0x183u, {0xC1u, 0x23u, 0x00u, 0x00u,
-            0xA0u, 0x8Cu, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1247: request and reply: ok */
-        {{0x144u, {0xC0u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0xC0u, 0x0Au, 0x00u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1248: request and reply: ok */
-        {{0x144u, {0xC0u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0xC0u, 0x0Bu, 0x00u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1249: request and reply: ok */
-        {{0x144u, {0xC0u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0xC0u, 0x0Cu, 0x00u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1250: request and reply: ok */
-        {{0x144u, {0xC0u, 0x1Eu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0xC0u, 0x1Eu, 0x00u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1251: request and reply: ok */
-        {{0x144u, {0xC0u, 0x20u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0xC0u, 0x20u, 0x00u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1252: request and reply: ok */
-        {{0x144u, {0xC0u, 0x22u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0xC0u, 0x22u, 0x00u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1253: request and reply: ok */
-        {{0x144u, {0xC0u, 0x23u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0xC0u, 0x23u, 0x00u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1254: request and reply: ok */
-        {{0x144u, {0xC0u, 0x26u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0xC0u, 0x26u, 0x00u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1255: request and reply: ok */
-        {{0x144u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0x0Au, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1256: request and reply: ok */
-        {{0x144u, {0x40u, 0x05u, 0x0Bu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0x0Bu, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1257: request and reply: ok */
-        {{0x144u, {0x40u, 0x05u, 0x0Cu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0x0Cu, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1258: request and reply: ok */
-        {{0x144u, {0x40u, 0x05u, 0x0Du, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0x0Du, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1259: request and reply: ok */
-        {{0x144u, {0x40u, 0x05u, 0xB0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0xB0u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1260: request and reply: ok */
-        {{0x144u, {0x40u, 0x05u, 0xB2u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0xB2u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1261: request and reply: ok */
-        {{0x144u, {0x40u, 0x05u, 0xB4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0xB4u, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1262: request and reply: ok */
-        {{0x144u, {0x40u, 0x05u, 0xBAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0xBAu, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1263: request and reply: ok */
-        {{0x144u, {0x40u, 0x05u, 0xBCu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0xBCu, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1264: request and reply: ok */
-        {{0x144u, {0x40u, 0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0xA0u, 0x64u, 0x00u,
-            0x32u, 0x00u, 0x19u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1265: request and reply: ok */
-        {{0x144u, {0x40u, 0xA4u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0xA4u, 0x64u, 0x00u,
-            0x32u, 0x00u, 0x19u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1266: request and reply: ok */
-        {{0x144u, {0x40u, 0xA8u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0xA8u, 0x64u, 0x00u,
-            0x32u, 0x00u, 0x19u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1267: request and reply: not_answer */
-        {{0x144u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0x0Bu, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1268: request and reply: not_answer */
-        {{0x144u, {0x40u, 0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0xA4u, 0x64u, 0x00u,
-            0x32u, 0x00u, 0x19u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1269: request and reply: not_answer */
-        {{0x144u, {0x40u, 0xA0u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0x0Au, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1270: request and reply: not_answer */
-        {{0x144u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0xA0u, 0x0Au, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1271: request and reply: not_answer */
-        {{0x144u, {0x40u, 0x05u, 0x0Au, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x42u, 0x05u, 0x0Au, 0x00u,
-            0x01u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1272: request and reply: ok */
-        {{0x144u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x05u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x42u, 0x05u, 0x0Au, 0x00u,
-            0x05u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1273: request and reply: ok */
-        {{0x144u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x05u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x42u, 0x05u, 0x0Au, 0x00u,
-            0x04u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1274: request and reply: not_answer */
-        {{0x144u, {0x42u, 0x05u, 0x0Au, 0x00u, 0x05u, 0x00u, 0x00u, 0x00u}}, {0x185u, {0x42u, 0x05u, 0x0Au, 0x00u,
-            0x05u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1275: request and reply: ok */
-        {{0x144u, {0x42u, 0xA8u, 0x64u, 0x00u, 0x32u, 0x00u, 0x19u, 0x00u}}, {0x184u, {0x42u, 0xA8u, 0x64u, 0x00u,
-            0x32u, 0x00u, 0x19u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1276: request and reply: not_answer */
-        {{0x144u, {0x42u, 0xA8u, 0x64u, 0x00u, 0x32u, 0x00u, 0x19u, 0x00u}}, {0x184u, {0x42u, 0xA4u, 0x64u, 0x00u,
-            0x32u, 0x00u, 0x19u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-        /* 1277: request and reply: ok */
-        {{0x144u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x44u, 0x05u, 0x01u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1278: request and reply: ok */
-        {{0x144u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x44u, 0x05u, 0x00u, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_OK},
-        /* 1279: request and reply: not_answer */
-        {{0x144u, {0x44u, 0x05u, 0xFAu, 0x00u, 0x00u, 0x00u, 0x00u, 0x00u}}, {0x184u, {0x40u, 0x05u, 0x0Au, 0x00u,
-            0x00u, 0x00u, 0x00u, 0x00u}}, 8u, 8u, 0u, CANWRIGHT_NOT_ANSWER},
-    };
-    mwd_motor_v2_36_2025_03_parameters_t parameters;
-    const canwright_stored_t none = {0u, {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u}};
+    canwright_frame_t asked;
     mwd_motor_v2_36_2025_03_selftest_t done;
-    canwright_frame_t frame;
-    canwright_step_t step;
     uint16_t i;
     result->cases = 0u;
     result->failures = 0u;
     result->first = 0u;
     result->step = CANWRIGHT_STEP_NONE;
-    canwright_restore(&result->frame, &none, 0u);
-    for (i = 0u; i < 816u; i++) {
-        canwright_golden_t entry;
-        canwright_flash_read(&entry, frames, i, sizeof entry);
+    canwright_clear(&asked);
+    result->frame = asked;
+    for (i = 0u; i < 1357u; i++) {
+        canwright_step_t step = CANWRIGHT_STEP_NONE;
+        mwd_motor_v2_36_2025_03_selftest_raws_t expected;
+        canwright_golden_message_t message;
+        canwright_case_t entry;
+        canwright_frame_t frame;
+        uint16_t field;
+        mwd_motor_v2_36_2025_03_any_request_t request;
+        canwright_status_t request_status;
+        mwd_motor_v2_36_2025_03_any_reply_t reply;
+        canwright_status_t reply_status;
+        mwd_motor_v2_36_2025_03_parameters_t parameters;
+        canwright_flash_read(&entry, cases, i, sizeof entry);
+        canwright_flash_read(&message, messages, entry.message, sizeof message);
         canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
         canwright_restore(&frame, &entry.frame, entry.dlc);
-        mwd_motor_v2_36_2025_03_selftest_message(&done, &frame, entry.message, entry.raws, entry.node, &parameters);
-        step = CANWRIGHT_STEP_NONE;
-        if (done.decoded != CANWRIGHT_OK) {
-            step = CANWRIGHT_STEP_DECODE;
-        } else if (!done.same || done.node != entry.node) {
-            step = CANWRIGHT_STEP_FIELDS;
-        } else if ((entry.flags & CANWRIGHT_GOLDEN_UNIQUE) != 0u && !done.any_same) {
-            step = CANWRIGHT_STEP_DECODE_ANY;
-        } else if ((entry.flags & CANWRIGHT_GOLDEN_ENCODED) != 0u
-            && (done.encoded != CANWRIGHT_OK || !canwright_same_frame(&done.written, &frame))) {
-            step = CANWRIGHT_STEP_ENCODE;
+        canwright_spoil(&done, sizeof done);
+        field = mwd_motor_v2_36_2025_03_selftest_read(&expected, message.layout, entry.raws, &parameters);
+        mwd_motor_v2_36_2025_03_selftest_message(&done, &frame, entry.message, entry.node, &expected, &parameters);
+        request_status = mwd_motor_v2_36_2025_03_decode_request(&request, &frame);
+        reply_status = mwd_motor_v2_36_2025_03_decode_reply(&reply, &frame, &parameters);
+        switch (entry.kind) {
+        case CANWRIGHT_CASE_ASKED:
+            asked = frame;
+            continue;
+        case CANWRIGHT_CASE_ANSWER:
+            if (mwd_motor_v2_36_2025_03_check_reply(&asked, &frame) != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REPLY;
+            }
+            break;
+        case CANWRIGHT_CASE_REQUEST:
+            if (request_status != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REJECT_FRAME;
+            }
+            break;
+        case CANWRIGHT_CASE_REPLY:
+            if (reply_status != (canwright_status_t)entry.status) {
+                step = CANWRIGHT_STEP_REJECT_FRAME;
+            }
+            break;
+        case CANWRIGHT_CASE_MESSAGE:
+            if (done.encoded != (canwright_status_t)entry.status || (entry.field != 0u && entry.field != field)) {
+                step = CANWRIGHT_STEP_REJECT_MESSAGE;
+            }
+            frame = done.written;
+            break;
+        default:
+            if (done.decoded != CANWRIGHT_OK) {
+                step = CANWRIGHT_STEP_DECODE;
+            } else if (done.node != entry.node || !mwd_motor_v2_36_2025_03_selftest_same(message.layout, &done.raws,
+                &expected)) {
+                step = CANWRIGHT_STEP_FIELDS;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_UNIQUE) != 0u && !message.is_reply
+                && (request_status != CANWRIGHT_OK || (uint32_t)request.command != message.command
+                    || request.node != entry.node
+                    || !mwd_motor_v2_36_2025_03_selftest_same(message.layout, &request.as, &expected))) {
+                step = CANWRIGHT_STEP_DECODE_ANY;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_UNIQUE) != 0u && message.is_reply
+                && (reply_status != CANWRIGHT_OK || (uint32_t)reply.command != message.command
+                    || reply.node != entry.node
+                    || !mwd_motor_v2_36_2025_03_selftest_same(message.layout, &reply.as, &expected))) {
+                step = CANWRIGHT_STEP_DECODE_ANY;
+            } else if ((entry.kind & (unsigned)CANWRIGHT_CASE_ENCODED) != 0u
+                && (done.encoded != CANWRIGHT_OK || !canwright_same_frame(&done.written, &frame))) {
+                step = CANWRIGHT_STEP_ENCODE;
+            }
+            break;
         }
         canwright_selftest_count(result, step, &frame);
-    }
-    for (i = 0u; i < 192u; i++) {
-        canwright_golden_rejection_t entry;
-        canwright_flash_read(&entry, rejections, i, sizeof entry);
-        canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
-        canwright_restore(&frame, &entry.frame, entry.dlc);
-        step = CANWRIGHT_STEP_REJECT_FRAME;
-        if (entry.is_request == 1u) {
-            mwd_motor_v2_36_2025_03_any_request_t any;
-            if (mwd_motor_v2_36_2025_03_decode_request(&any, &frame) == (canwright_status_t)entry.status) {
-                step = CANWRIGHT_STEP_NONE;
-            }
-        }
-        if (entry.is_request == 0u) {
-            mwd_motor_v2_36_2025_03_any_reply_t any;
-            if (mwd_motor_v2_36_2025_03_decode_reply(&any, &frame, &parameters) == (canwright_status_t)entry.status) {
-                step = CANWRIGHT_STEP_NONE;
-            }
-        }
-        canwright_selftest_count(result, step, &frame);
-    }
-    for (i = 0u; i < 193u; i++) {
-        canwright_golden_refusal_t entry;
-        canwright_flash_read(&entry, refusals, i, sizeof entry);
-        canwright_flash_read(&parameters, known, entry.parameters, sizeof parameters);
-        canwright_restore(&frame, &none, 0u);
-        done.written = frame;
-        mwd_motor_v2_36_2025_03_selftest_message(&done, &frame, entry.message, entry.raws, entry.node, &parameters);
-        step = CANWRIGHT_STEP_NONE;
-        if (done.encoded != (canwright_status_t)entry.status || (entry.field != 0u && entry.field != done.field)) {
-            step = CANWRIGHT_STEP_REJECT_MESSAGE;
-        }
-        canwright_selftest_count(result, step, &done.written);
-    }
-    for (i = 0u; i < 78u; i++) {
-        canwright_golden_exchange_t entry;
-        canwright_flash_read(&entry, exchanges, i, sizeof entry);
-        canwright_frame_t reply;
-        canwright_restore(&frame, &entry.request, entry.request_dlc);
-        canwright_restore(&reply, &entry.reply, entry.reply_dlc);
-        step = CANWRIGHT_STEP_NONE;
-        if (mwd_motor_v2_36_2025_03_check_reply(&frame, &reply) != (canwright_status_t)entry.status) {
-            step = CANWRIGHT_STEP_REPLY;
-        }
-        canwright_selftest_count(result, step, &reply);
     }
     return result->failures;
 }

@@ -18,10 +18,12 @@ from ...model.checksum import Arithmetic
 from ...model.edition import Edition
 from ...model.layout import Field, Layout, Segment, Space
 from ...model.message import Direction, Message
+from ...model.sending import microseconds
 from ...model.types import Parameter, Type
 from ...semantics.checksum import ChecksumPlan
 from ...semantics.plan import message_plan
 from ..base import NameProblem
+from .text import MacroView
 
 SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_print.h", "canwright_selftest.h")
 """The headers that are the same for every protocol."""
@@ -104,7 +106,7 @@ TYPE_ENDINGS = (
 SCALE_MACROS = ("UNIT", "SCALE_NUM", "SCALE_DEN", "OFFSET_NUM", "OFFSET_DEN")
 FIRST = "first"
 """The ending of the macro of the first of several raw integers without a value."""
-LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_show", "_matches")
+LAYOUT_ENDINGS = ("_t", "_check", "_pack", "_unpack", "_show")
 COUNTER_ENDINGS = ("_next", "_steps")
 MESSAGE_ENDINGS = ("_encode", "_decode")
 ADDRESS_ENDINGS = (
@@ -134,7 +136,8 @@ EDITION_NAMES = (
     ),
     *("check_reply", "H", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
     *("SPEC", "SPEC_HASH", "EDITION", "REPLY_WITHIN_US", "PRINT_H", "print_request", "print_reply"),
-    *("selftest", "selftest_message", "selftest_t", "SELFTEST_H", "HPP"),
+    *("selftest", "selftest_message", "selftest_raws_t", "selftest_read", "selftest_same", "selftest_t", "SELFTEST_H"),
+    "HPP",
 )
 
 
@@ -160,22 +163,20 @@ class Names:
         """The short form of the name of a command or a message, if it has one."""
         return self._short.get(name, name)
 
-    def facts(self, message: Message) -> Iterator[str]:
+    def facts(self, message: Message) -> Iterator[MacroView]:
         """The macros of a message: of its period, of its time-out, and of its frames if there are several."""
-        yield from self.times(message)
-        yield from self.frames(message)
-
-    def frames(self, message: Message) -> Iterator[str]:
-        """The macros of the number of the first frame, and of the number of frames."""
-        yield from (self.upper(message.name, name) for name in ("first_frame", "frames") if message.sequence)
-
-    def times(self, message: Message) -> Iterator[str]:
-        """The macros of the period and of the time-out of a message, if it has them."""
-        sending = message.sending
-        times = (sending.every_ms, sending.timeout_ms) if sending else ()
-        for time, name in zip(times, ("every_us", "timeout_us"), strict=False):
-            if time is not None:
-                yield self.upper(message.name, name)
+        facts: list[tuple[str, int, str]] = []
+        if message.sending and message.sending.every_ms is not None:
+            facts.append(("every_us", microseconds(message.sending.every_ms), "Nominal period, in microseconds."))
+        if message.sending and message.sending.timeout_ms is not None:
+            doc = "Silence that the receiver treats as a failure, in microseconds."
+            facts.append(("timeout_us", microseconds(message.sending.timeout_ms), doc))
+        if message.sequence:
+            numbers, of = message.sequence.numbers, f"`{message.sequence.field}` of the {message.direction.value}"
+            doc = f"Maximum number of frames. They come in any order, numbered in {of}."
+            facts.append(("first_frame", numbers[0], f"Number of the first frame, in {of}."))
+            facts.append(("frames", len(numbers), doc))
+        return (MacroView(self.upper(message.name, name), f"{number}u", doc) for name, number, doc in facts)
 
     def crc(self, plan: ChecksumPlan) -> str:
         """The function for one more byte of a CRC."""
@@ -265,7 +266,7 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
     for name in EDITION_NAMES:
         yield names.upper(name) if name.isupper() else names.lower(name), "a name in every edition", ()
     for parameter in edition.parameters:
-        yield from _parameter(names, parameter)
+        yield from parameter_names(names, parameter)
     for address in edition.addresses:
         what = f"the address `{address.name}`"
         yield from ((names.lower(address.name) + e, what, address.path) for e in ADDRESS_ENDINGS)
@@ -286,7 +287,7 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
         for name in (names.command(command.name), names.upper(command.name, "code")):
             yield name, f"the command `{command.name}`", command.path
     for message in edition.all_messages():
-        yield from ((name, f"a number of `{message.name}`", message.path) for name in names.facts(message))
+        yield from ((fact.name, f"a number of `{message.name}`", message.path) for fact in names.facts(message))
         what = f"the {message.direction.value} of `{message.command}`"
         own = message.name == message.layout.name
         yield names.lower(message.name, "t"), _layout(message.layout) if own else what, message.path
@@ -313,13 +314,15 @@ def _layout(layout: Layout) -> str:
     return f"the shared layout `{layout.name}`" if layout.shared else f"`{'.'.join(map(str, layout.path))}`"
 
 
-def _parameter(names: Names, parameter: Parameter) -> Iterator[tuple[str, str, DocumentPath]]:
+def parameter_names(names: Names, parameter: Parameter) -> Iterator[tuple[str, str, DocumentPath]]:
+    """The names of the type and of the values of a parameter, as `defined` yields them."""
     what, path = f"the parameter `{parameter.name}`", ("parameters", parameter.name)
     if parameter.is_choice:
         yield names.lower(parameter.name, "t"), what, path
         yield names.upper(parameter.name, "unknown"), what, path
     for value in parameter.values:
-        yield names.upper(parameter.name, value.name), f"the value `{value.name}` of `{parameter.name}`", path
+        what = f"the value `{value.name}` of `{parameter.name}`"
+        yield names.upper(parameter.name, value.name), what, (*path, "values", value.name)
 
 
 def _type(names: Names, type_: Type) -> Iterator[str]:

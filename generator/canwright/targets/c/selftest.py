@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
@@ -26,12 +26,14 @@ from ...semantics.plan import value_fields
 from ..base import EditionInput
 from .choices import parameter_literal
 from .expressions import integer, raw_of
-from .layouts import FRAME_CODE, code_member, initializer, literals, numbers
+from .layouts import FRAME_CODE, LayoutView, code_member, initializer, literals, numbers
 from .messages import MessageView
+from .text import WIDTH
 from .view import EditionView
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
-UNIQUE, ENCODED = "CANWRIGHT_GOLDEN_UNIQUE", "CANWRIGHT_GOLDEN_ENCODED"
+UNIQUE, ENCODED, REQUEST, REPLY, MESSAGE, ASKED, ANSWER = 1, 2, 4, 5, 6, 7, 8
+"""The kinds of cases, as `canwright_selftest.h` defines them."""
 
 Known = Mapping[str, int | str | Fraction]
 Raws = Mapping[str, RawValue]
@@ -39,39 +41,36 @@ T = TypeVar("T")
 
 
 class LayoutTable(NamedTuple):
-    """The raw integers of all entries that use a layout; `same` are the conditions for equal fields."""
+    """The raw integers of all cases that use a layout; `same` are the conditions for equal fields."""
 
-    name: str
-    table: str
+    view: LayoutView
+    member: str
     same: tuple[str, ...]
     entries: tuple[str, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
-class MessageCase:
-    """A message: its number in tables, and the conditions under which decoding any frame returns the same."""
+class MessageCase(NamedTuple):
+    """A message with its command; `layout` is the number of the table of its raw integers, `member` its name."""
 
-    number: int
     command: str
-    message: MessageView
-    table: str
-    any_depends: bool
-    any_same: tuple[str, ...]
+    enumerator: str
+    view: MessageView
+    layout: int
+    member: str
 
 
-class Entry(NamedTuple):
+class Case(NamedTuple):
+    """A row of the table; `golden` is None for the request before a reply, which is no case of its own."""
+
     comment: str
-    text: str
-    golden: Sourced
+    row: str
+    golden: Sourced | None
 
-
-class Table(NamedTuple):
-    """Golden frames of one kind; `first` is the number of the first one among all."""
-
-    name: str
-    kind: str
-    first: int
-    entries: tuple[Entry, ...]
+    @property
+    def text(self) -> str:
+        """The row with its comment beside it, or above if there is too little space."""
+        text = f"{self.row}, /* {self.comment} */"
+        return text if len(text) <= WIDTH - 8 else f"/* {self.comment} */\n        {self.row},"
 
 
 def has_self_test(specification: EditionInput) -> bool:
@@ -84,7 +83,7 @@ def _braces(*parts: str) -> str:
 
 
 class SelfTest:
-    """The tables of an edition with golden frames, without empty ones, and the calls.
+    """The table of the golden frames of an edition, and the functions that its cases call.
 
     Omitted are values in units, and raw integers that the members of a struct cannot contain.
     """
@@ -92,84 +91,87 @@ class SelfTest:
     def __init__(self, edition: Edition, frames: GoldenFrames, view: EditionView) -> None:
         self._edition, self._frames, self._view = edition, frames, view
         self._names = view.names
-        self._most = edition.bus.frame_format.max_data_bytes
-        self.blank = _braces("0u", _braces(*["0u"] * self._most))
-        """The initializer of a stored frame without anything."""
         self._decoder = Decoder(edition)
         self._messages: dict[Message, int] = {}
         self._raws: dict[Layout, dict[str, int]] = {}
         self._known: dict[str, int] = {}
-        self.tables: list[Table] = []
-        first = 1
-        for name, kind, entries in (
-            ("frames", f"{view.fd}golden", [*map(self._frame, frames.frames)]),
-            ("rejections", f"{view.fd}golden_rejection", [*self._rejections()]),
-            ("refusals", "golden_refusal", [*self._refusals()]),
-            ("exchanges", f"{view.fd}golden_exchange", [*self._exchanges()]),
-        ):
-            self.tables += [Table(name, f"canwright_{kind}_t", first, tuple(entries))] if entries else []
-            first += len(entries)
+        self.cases: list[Case] = []
+        number = 1
+        every = (map(self._frame, frames.frames), self._rejections(), self._refusals(), self._exchanges())
+        for case in itertools.chain(*every):
+            self.cases.append(case._replace(comment=f"{number}: {case.comment}"))
+            number += case.golden is not None
         self.layouts = [self._layout(layout, entries) for layout, entries in self._raws.items()]
-        self.messages = [self._case(message, number) for message, number in self._messages.items()]
+        self.messages = [self._case(message) for message in self._messages]
         self.directions = [direction for direction in view.directions if direction.decode]
         self.parameters = list(self._known)
 
-    def _frame(self, frame: GoldenFrame) -> Entry:
+    def _frame(self, frame: GoldenFrame) -> Case:
         message = self._message(frame.direction, frame.command)
         alone = self._decoder.identify(frame.direction, _can(frame), frame.parameters)
         is_unique = isinstance(alone, Identified) and alone.message is message
-        flags = [*([UNIQUE] if is_unique else []), *([] if frame.decode_only else [ENCODED])]
-        text = _braces(
-            self._stored(frame),
-            f"{_node(message, frame)}u",
-            f"{_index(self._messages, message)}u",
-            f"{self._raw_index(message, frame.raw, code_of(message, _can(frame)))}u",
-            f"{self._parameters(frame.parameters)}u",
-            f"{len(frame.data)}u",
-            " | ".join(flags) or "0u",
+        text = self._row(
+            (UNIQUE if is_unique else 0) | (0 if frame.decode_only else ENCODED),
+            frame,
+            frame.parameters,
+            node=_node(message, frame),
+            message=_index(self._messages, message),
+            raws=self._raw_index(message, frame.raw, code_of(message, _can(frame))),
         )
-        return Entry(f"{frame.direction.value} of {frame.command}", text, frame)
+        return Case(f"{frame.direction.value} of {frame.command}", text, frame)
 
-    def _rejections(self) -> Iterator[Entry]:
+    def _rejections(self) -> Iterator[Case]:
         for entry in self._frames.refused:
             if isinstance(entry, RefusedFrame) and self._edition.messages(entry.decode):
-                is_request = int(entry.decode is Direction.REQUEST)
-                status = f"CANWRIGHT_{entry.says.name}"
-                known = self._parameters(entry.parameters)
-                text = _braces(self._stored(entry), f"{len(entry.data)}u", f"{known}u", f"{is_request}u", status)
-                yield Entry(f"{entry.decode.value}: {entry.says.value}", text, entry)
+                kind = REQUEST if entry.decode is Direction.REQUEST else REPLY
+                text = self._row(kind, entry, entry.parameters, status=entry.says.name)
+                yield Case(f"{entry.decode.value}: {entry.says.value}", text, entry)
 
-    def _refusals(self) -> Iterator[Entry]:
+    def _refusals(self) -> Iterator[Case]:
         """Raw integers that the function of a message rejects; it does not ask whether the node has the command."""
         for entry in self._frames.refused:
             if isinstance(entry, RefusedValues) and not entry.values and entry.says is not Refusal.NOT_AVAILABLE:
                 message = self._message(entry.encode, entry.command)
                 if all(_fits(f, entry.raw.get(f.name, 0)) for f in value_fields(message.layout.fields).values()):
-                    text = _braces(
-                        f"{entry.node or 0}u",
-                        f"{_index(self._messages, message)}u",
-                        f"{self._raw_index(message, entry.raw, None)}u",
-                        self._names.upper("field", entry.field_name or "none"),
-                        f"{self._parameters(entry.parameters)}u",
-                        f"CANWRIGHT_{entry.says.name}",
+                    text = self._row(
+                        MESSAGE,
+                        None,
+                        entry.parameters,
+                        node=entry.node or 0,
+                        message=_index(self._messages, message),
+                        raws=self._raw_index(message, entry.raw, None),
+                        field=self._names.upper("field", entry.field_name) if entry.field_name else "0",
+                        status=entry.says.name,
                     )
-                    yield Entry(f"{entry.encode.value} of {entry.command}: {entry.says.value}", text, entry)
+                    yield Case(f"{entry.encode.value} of {entry.command}: {entry.says.value}", text, entry)
 
-    def _exchanges(self) -> Iterator[Entry]:
+    def _exchanges(self) -> Iterator[Case]:
         for entry in self._frames.exchanges if self._view.answers else ():
             status = entry.says.name if entry.says else "OK"
-            lengths = (f"{len(frame.data)}u" for frame in (entry.request, entry.reply))
-            known = [f"{self._parameters(entry.parameters)}u"] if self._view.check_reply_parameters else ["0u"]
-            text = _braces(
-                self._stored(entry.request), self._stored(entry.reply), *lengths, *known, f"CANWRIGHT_{status}"
-            )
-            yield Entry(f"request and reply: {status.lower()}", text, entry)
+            yield Case("a request", self._row(ASKED, entry.request, {}), None)
+            known = entry.parameters if self._view.check_reply_parameters else {}
+            text = self._row(ANSWER, entry.reply, known, status=status)
+            yield Case(f"and a reply: {status.lower()}", text, entry)
 
-    def _stored(self, frame: GoldenFrame | RefusedFrame | CheckedFrame) -> str:
-        """A frame, without the bytes that its format does not have."""
-        flags = (EXTENDED if frame.extended else 0) | (REMOTE if frame.remote else 0)
-        data = [f"0x{byte:02X}u" for byte in frame.data.ljust(self._most, b"\0")[: self._most]]
-        return _braces(f"0x{frame.id | flags:X}u", _braces(*data))
+    def _row(
+        self,
+        kind: int,
+        frame: GoldenFrame | RefusedFrame | CheckedFrame | None,
+        known: Known,
+        *,
+        node: int = 0,
+        message: int = 0,
+        raws: int = 0,
+        field: str = "0",
+        status: str = "",
+    ) -> str:
+        """A case, with four data bytes in a word; words of 0 at the end are left out."""
+        flags = frame and (EXTENDED if frame.extended else 0) | (REMOTE if frame.remote else 0)
+        data = frame.data[: self._edition.bus.frame_format.max_data_bytes] if frame else b""
+        words = [data[at : at + 4].ljust(4, b"\0").hex().upper() for at in range(0, len(data.rstrip(b"\0")) or 1, 4)]
+        stored = _braces(f"0x{frame.id | (flags or 0):X}u" if frame else "0u", _braces(*(f"0x{w}u" for w in words)))
+        indices = (message, raws, field, self._parameters(known), len(frame.data) if frame else 0, kind)
+        return _braces(stored, f"{node}u", *map(str, indices), f"CANWRIGHT_{status}" if status else "0")
 
     def _message(self, direction: Direction, command: str) -> Message:
         message = self._edition.command(command).message(direction)
@@ -196,25 +198,14 @@ class SelfTest:
         raws = [raw_of(field.type, number) for field in fields for number in numbers(field)]
         raws += [FRAME_CODE] if code_member(self._edition.of_layout(layout)) else []
         same = (f"one->{raw} == other->{raw}" for raw in raws)
-        return LayoutTable(self._names.lower(layout.name), _table(layout), tuple(same), tuple(entries))
+        view = self._view.message(self._edition.of_layout(layout)[0]).layout
+        return LayoutTable(view, _table(layout), tuple(same), tuple(entries))
 
-    def _case(self, message: Message, number: int) -> MessageCase:
-        view = self._view.message(message)
+    def _case(self, message: Message) -> MessageCase:
+        tables = list(self._raws)
+        number = tables.index(message.layout) + 1 if message.layout in tables else 0
         enumerator = self._names.command(message.command)
-        any_ = self._view.direction(message.direction)
-        same = [f"{any_.word}.command == {enumerator}", f"{any_.word}.node == result->node"]
-        if view.struct:
-            content = any_.by_command[enumerator]
-            wanted = f"&wanted.{_table(message.layout)}"
-            same.append(f"{view.layout.name}_matches(&{any_.word}.as.{content.member}, {wanted})")
-        return MessageCase(
-            number=number,
-            command=message.command,
-            message=view,
-            table=_table(message.layout),
-            any_depends=any_.depends,
-            any_same=tuple(same),
-        )
+        return MessageCase(message.command, enumerator, self._view.message(message), number, _table(message.layout))
 
 
 def _table(layout: Layout) -> str:

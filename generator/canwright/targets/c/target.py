@@ -10,7 +10,7 @@ from ...model.types import Assignment
 from ..base import CodeExample, CodeNames, EditionInput, ItemNames, NameProblem, Output, Target, WorkedExchange
 from ..options import NO_OPTIONS, Options
 from . import names, validity
-from .names import SHARED, Names, layouts, member
+from .names import SHARED, Names, layouts, member, parameter_names
 from .package import files, program
 from .types import TypeView
 from .view import edition_view
@@ -82,7 +82,9 @@ class CTarget(Target):
 
 
 def _names(names: Names, edition: Edition) -> Iterator[Exported]:
-    yield from _parameters(names, edition)
+    for parameter in edition.parameters:
+        yield ("parameters", parameter.name), f".{member(parameter.name)}"
+        yield from ((path, name) for name, _, path in parameter_names(names, parameter))
     yield from ((("effects", effect.name), names.upper("effect", effect.name)) for effect in edition.effects)
     view = edition_view(edition)
     for address in view.addresses:
@@ -91,12 +93,11 @@ def _names(names: Names, edition: Edition) -> Iterator[Exported]:
             reader = rule.node_function if rule.has_nodes else rule.check_function
             functions = (rule.id_function, reader) if rule.can_fail else (rule.id_macro,)
             yield from ((address.path, function) for function in functions)
-    for type_ in (t for t in edition.types if t.path[0] == "types"):
+    for type_ in (t for t in edition.types if t.path[0] == "types" and view.has(t)):
         stem = names.type_stem(type_)
         by_key = type_.members_by_key.items()
         members = {names.upper(stem, m.name): (*type_.path, key, m.name) for key, named in by_key for m in named}
-        if view.has(type_):
-            yield from ((members.get(name, type_.path), name) for name in _type(view.type(type_)))
+        yield from ((members.get(name, type_.path), name) for name in _type(view.type(type_)))
     for layout in layouts(edition):
         varying = [field for field in layout.fields if field.is_given]
         if varying:
@@ -109,22 +110,11 @@ def _names(names: Names, edition: Edition) -> Iterator[Exported]:
         if command.code is not None:
             yield command.path, names.upper(command.name, "code")
     for message in edition.all_messages():
-        yield from ((message.path, name) for name in names.facts(message))
+        yield from ((message.path, fact.name) for fact in names.facts(message))
         if any(field.is_given for field in message.layout.fields):
             yield message.path, names.lower(message.name, "t")
             yield message.path, f".{member(names.short(message.command))}"
         yield from ((message.path, names.lower(message.name, ending)) for ending in ("encode", "decode"))
-
-
-def _parameters(names: Names, edition: Edition) -> Iterator[Exported]:
-    for parameter in edition.parameters:
-        path: DocumentPath = ("parameters", parameter.name)
-        yield path, f".{member(parameter.name)}"
-        if parameter.is_choice:
-            yield path, names.lower(parameter.name, "t")
-            yield path, names.upper(parameter.name, "unknown")
-        values = parameter.values
-        yield from (((*path, "values", v.name), names.upper(parameter.name, v.name)) for v in values)
 
 
 def _type(view: TypeView) -> Iterator[str]:

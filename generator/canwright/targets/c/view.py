@@ -15,7 +15,6 @@ from ...model.formatting import english
 from ...model.layout import Layout
 from ...model.message import Command, Direction, Message, OtherReply
 from ...model.metadata import Level
-from ...model.sending import microseconds
 from ...model.types import Type
 from ...semantics.exchange import exchange_plans
 from ..base import header
@@ -245,30 +244,10 @@ def _command(names: Names, edition: Edition, messages: Messages, command: Comman
                 for code in (command.code,)
                 if code is not None
             ),
-            *(macro for message in own for macro in (*_times(names, message), *_frame_numbers(names, message))),
+            *(macro for message in own for macro in names.facts(message)),
         ),
         messages=tuple(map(messages.message, own)),
     )
-
-
-def _times(names: Names, message: Message) -> Iterator[MacroView]:
-    """The period and the time-out of a message."""
-    docs = ("Nominal period, in microseconds.", "Silence that the receiver treats as a failure, in microseconds.")
-    times = (message.sending.every_ms, message.sending.timeout_ms) if message.sending else ()
-    stated = ((time, doc) for time, doc in zip(times, docs, strict=False) if time is not None)
-    for name, (time, doc) in zip(names.times(message), stated, strict=True):
-        yield MacroView(name, f"{microseconds(time)}u", doc)
-
-
-def _frame_numbers(names: Names, message: Message) -> Iterator[MacroView]:
-    """The number of the first frame and the number of frames, of a message in several frames."""
-    if message.sequence is not None:
-        numbers, of = message.sequence.numbers, f"`{message.sequence.field}` of the {message.direction.value}"
-        first, count = names.frames(message)
-        yield MacroView(first, f"{numbers[0]}u", f"Number of the first frame, in {of}.")
-        yield MacroView(
-            count, f"{len(numbers)}u", f"Maximum number of frames. They come in any order, numbered in {of}."
-        )
 
 
 def _command_doc(edition: Edition, command: Command) -> list[str]:

@@ -46,27 +46,66 @@ typedef enum {
     CANWRIGHT_STEP_REPLY
 } canwright_step_t;
 
-/** Set for a frame that no other message has. */
-#define CANWRIGHT_GOLDEN_UNIQUE 1u
+/** What a step means, as a text. */
+static inline const char *canwright_step_text(canwright_step_t step)
+{
+    switch ((int)step) {
+    case CANWRIGHT_STEP_DECODE:
+        return "the frame is rejected";
+    case CANWRIGHT_STEP_FIELDS:
+        return "another node or other raw integers";
+    case CANWRIGHT_STEP_DECODE_ANY:
+        return "decoded by itself, the frame is another one";
+    case CANWRIGHT_STEP_ENCODE:
+        return "the raw integers are rejected, or encoded as another frame";
+    case CANWRIGHT_STEP_REJECT_FRAME:
+        return "not rejected for the expected reason";
+    case CANWRIGHT_STEP_REJECT_MESSAGE:
+        return "not rejected for the expected reason, or for another field";
+    case CANWRIGHT_STEP_REPLY:
+        return "a reply is not accepted, or another frame is";
+    default:
+        return "";
+    }
+}
 
-/** Set for a frame that an encoder writes exactly so. */
-#define CANWRIGHT_GOLDEN_ENCODED 2u
+/** The kind of a case. */
+typedef enum {
+    /** Added for a golden frame that no other message has. */
+    CANWRIGHT_CASE_UNIQUE = 1,
+    /** Added for a golden frame that an encoder writes exactly so. */
+    CANWRIGHT_CASE_ENCODED = 2,
+    /** A request that must be rejected. */
+    CANWRIGHT_CASE_REQUEST = 4,
+    /** A reply that must be rejected. */
+    CANWRIGHT_CASE_REPLY,
+    /** A message that must be rejected; there is no frame. */
+    CANWRIGHT_CASE_MESSAGE,
+    /** The request before the next case. */
+    CANWRIGHT_CASE_ASKED,
+    /** A reply to this request, or a frame that is none. */
+    CANWRIGHT_CASE_ANSWER
+} canwright_kind_t;
 
-/** A message that must be rejected. */
+/** A message. */
 typedef struct {
-    /** The node. */
-    uint32_t node;
-    /** The message. */
-    uint16_t message;
-    /** The raw integers of its fields. */
-    uint16_t raws;
-    /** The field that must be named; 0 for any. */
-    uint16_t field;
-    /** The parameters of the node. */
-    uint8_t parameters;
-    /** The reason, a canwright_status_t. */
-    uint8_t status;
-} canwright_golden_refusal_t;
+    /** Its command. */
+    uint32_t command;
+    /** The table of its raw integers; 0 without fields. */
+    uint16_t layout;
+    /** True for a reply. */
+    bool is_reply;
+} canwright_golden_message_t;
+
+/** Fills a result, so that a function that does not write all of it is noticed. */
+CANWRIGHT_NONNULL
+static inline void canwright_spoil(void *result, size_t size)
+{
+    size_t i;
+    for (i = 0u; i < size; i++) {
+        ((uint8_t *)result)[i] = 0xA5u;
+    }
+}
 
 /** Copies an entry of a table in flash. */
 CANWRIGHT_NONNULL
@@ -100,11 +139,11 @@ typedef struct {
 typedef struct {
     /** The id with its flags. */
     uint32_t id;
-    /** The data bytes. */
-    uint8_t data[CANWRIGHT_MAX_DATA];
+    /** The data bytes, four in a number: the first is the highest. */
+    uint32_t data[CANWRIGHT_MAX_DATA / 4u];
 } canwright_stored_t;
 
-/** A golden frame: the numbers are indices of tables. */
+/** A case: the numbers are indices of tables. */
 typedef struct {
     /** The frame. */
     canwright_stored_t frame;
@@ -114,43 +153,17 @@ typedef struct {
     uint16_t message;
     /** The raw integers of its fields. */
     uint16_t raws;
+    /** The field that must be rejected; 0 for any. */
+    uint16_t field;
     /** The parameters of the node. */
     uint8_t parameters;
     /** Number of data bytes. */
     uint8_t dlc;
-    /** CANWRIGHT_GOLDEN_UNIQUE, CANWRIGHT_GOLDEN_ENCODED. */
-    uint8_t flags;
-} canwright_golden_t;
-
-/** A frame that must be rejected. */
-typedef struct {
-    /** The frame. */
-    canwright_stored_t frame;
-    /** Number of data bytes. */
-    uint8_t dlc;
-    /** The parameters of the node. */
-    uint8_t parameters;
-    /** 1 for a request, 0 for a reply. */
-    uint8_t is_request;
-    /** The reason, a canwright_status_t. */
+    /** A canwright_kind_t. */
+    uint8_t kind;
+    /** The expected canwright_status_t. */
     uint8_t status;
-} canwright_golden_rejection_t;
-
-/** A request and a later frame. */
-typedef struct {
-    /** The request. */
-    canwright_stored_t request;
-    /** The later frame. */
-    canwright_stored_t reply;
-    /** Number of data bytes of the request. */
-    uint8_t request_dlc;
-    /** Number of data bytes of the later frame. */
-    uint8_t reply_dlc;
-    /** The parameters of the node, if the check needs them. */
-    uint8_t parameters;
-    /** CANWRIGHT_OK if the frame is a reply, else the reason. */
-    uint8_t status;
-} canwright_golden_exchange_t;
+} canwright_case_t;
 
 /** A stored frame as the functions take it. */
 CANWRIGHT_NONNULL
@@ -161,7 +174,7 @@ static inline void canwright_restore(canwright_frame_t *frame, const canwright_s
     frame->id = stored->id;
     frame->dlc = dlc;
     for (i = 0u; i < CANWRIGHT_MAX_DATA; i++) {
-        frame->data[i] = stored->data[i];
+        frame->data[i] = (uint8_t)(stored->data[i / 4u] >> (24u - (8u * (i % 4u))));
     }
 }
 
