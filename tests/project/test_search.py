@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import canwright
 import pytest
@@ -14,7 +15,9 @@ import yaml
 from ..node import run
 from ..spec_texts import ROOT
 
-SCRIPT = Path(canwright.__file__).parent / "project/site/theme/static/search.js"
+PACKAGE = Path(canwright.__file__).parent
+SCRIPT = PACKAGE / "project/site/theme/static/search.js"
+FRAMES = PACKAGE / "targets/javascript/explorer/frames.js"
 
 PLAIN = re.compile(r"<!--.*?-->|<[^>]+>|\(\S+\)|[`*\[\]\\\\]", re.DOTALL)
 """Marks of Markdown and HTML."""
@@ -72,20 +75,33 @@ def guides(language: str) -> dict[str, object]:
     }
 
 
-def first_pages(folder: Path, language: str, queries: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
-    """The first five pages that each query finds; queries by the edition that is open."""
+Hit = Mapping[str, Any]
+
+
+def hits_of(folder: Path, language: str, queries: Mapping[str, Iterable[str]]) -> dict[str, list[Hit]]:
+    """The first five hits of each query; queries by the edition that is open."""
     index = {**json.loads((ROOT / "generated/docs/site.json").read_text("utf-8")), "pages": guides(language)}
     asked = [(query, edition) for edition, words in queries.items() for query in words]
-    program = folder / "search.cjs"
-    program.write_text(
-        f"{SCRIPT.read_text('utf-8')}\n"
-        f"const search = createSearch({json.dumps(index)}, {json.dumps(language)});\n"
-        f"const found = {json.dumps(asked)}.map(([query, edition]) => [`${{edition}} ${{query}}`, "
-        "search(query, edition, { kinds: {}, node: '' }).slice(0, 5).map(({ page }) => page)]);\n"
-        "console.log(JSON.stringify(Object.fromEntries(found)));\n",
-        "utf-8",
+    expression = (
+        f"{json.dumps(asked)}.map(([query, edition]) => [`${{edition}} ${{query}}`, "
+        "search(query, edition, { kinds: {}, node: '' }).slice(0, 5)])"
     )
-    return dict(json.loads(run(program)))
+    setup = f"const search = createSearch({json.dumps(index)}, {json.dumps(language)});\n"
+    return dict(evaluated(folder, expression, setup))
+
+
+def evaluated(folder: Path, expression: str, setup: str = "") -> Any:
+    """The value of an expression beside the scripts of the search."""
+    scripts = f"const canwright = {{}};\n{FRAMES.read_text('utf-8')}\n{SCRIPT.read_text('utf-8')}\n{setup}"
+    program = folder / "search.cjs"
+    program.write_text(f"{scripts}console.log(JSON.stringify({expression}));\n", "utf-8")
+    return json.loads(run(program))
+
+
+def first_pages(folder: Path, language: str, queries: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
+    """The pages of the first five hits of each query; queries by the edition that is open."""
+    hits = hits_of(folder, language, queries)
+    return {query: [hit["page"] for hit in of_query] for query, of_query in hits.items()}
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
@@ -119,6 +135,71 @@ def test_queries_of_readers(language: str, tmp_path: Path) -> None:
         if not any(page in pages or page.partition("/")[2] in pages for page in hits[f" {query}"][:2])
     ]
     assert failed == []
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_numbers_that_are_no_codes(language: str, tmp_path: Path) -> None:
+    """Numbers with a unit, of a range or beside other words; written as a code, they are codes."""
+    numbers = ("-33A~33A", "18 bit encoder", "90 degrees", "33 A", "temperature 33", "24 V 19 motors", "最大 34 度")
+    codes = ("33", "0x33", "33h", "command 33", "33命令", "33 v2.35", "function code 33", "0x33 acceleration")
+    hits = first_pages(tmp_path, language, {"": [*numbers, *codes]})
+    of_codes = (
+        "calibrate_encoder",
+        "read_encoder",
+        "read_acceleration",
+        "write_acceleration_ram",
+        "write_position_as_zero_rom",
+    )
+    for query in numbers:
+        assert not hits[f" {query}"][0].endswith(of_codes), query
+    for query in codes:
+        assert hits[f" {query}"][0] == "v2.35/commands/read_acceleration", query
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_a_hit_has_each_other_edition_once_in_their_order(language: str, tmp_path: Path) -> None:
+    """Also of a query with typos, which is compared in several spellings."""
+    editions = [
+        edition["name"] for edition in json.loads((ROOT / "generated/docs/site.json").read_text("utf-8"))["editions"]
+    ]
+    queries = ("torqe loop comand", "2048 = how many amps MG", "相对位移 限速", "types")
+    hits = [hit for of_query in hits_of(tmp_path, language, {"": queries}).values() for hit in of_query]
+    named = [[further["edition"] for further in hit["others"]] for hit in hits]
+    assert max(map(len, named)) == len(editions) - 1
+    for hit, names in zip(hits, named, strict=True):
+        assert names == [name for name in editions if name in names]
+        assert hit["edition"] not in names
+
+
+FRAMES_OF = {
+    ("143#9A1E00E0", "can0 143#9A1E00E0", "143 # 9A 1E 00 E0"): (0x143, [0x9A, 0x1E, 0, 0xE0]),
+    ("(1716900000.123456) can0 143#9A1E00E0", "143 9A 1E 00 E0"): (0x143, [0x9A, 0x1E, 0, 0xE0]),
+    ("can0  143   [4]  9A 1E 00 E0", "143 9A1E00E0"): (0x143, [0x9A, 0x1E, 0, 0xE0]),
+    ("9a 1e 00 e0", "0x9A,0x1E,0x00,0xE0"): (None, [0x9A, 0x1E, 0, 0xE0]),
+    ("9A1E00E001000008", "{0x9A, 0x1E, 0, 0xE0, 1, 0, 0, 8}"): (None, [0x9A, 0x1E, 0, 0xE0, 1, 0, 0, 8]),
+    ("１４３ ９Ａ １Ｅ", "143 9A 1E"): (0x143, [0x9A, 0x1E]),
+    ("280#",): (0x280, []),
+}
+WORDS = (
+    "facade",
+    "9A",
+    "0x9A",
+    "A4 命令",
+    "100000",
+    "2048",
+    "20241115",
+    "32A multi motor 2000",
+    "360 rpm 120000",
+    "-33A~33A",
+)
+
+
+def test_pasted_frames_are_those_that_the_explorer_reads(tmp_path: Path) -> None:
+    wanted = {text: {"id": number, "data": data} for texts, (number, data) in FRAMES_OF.items() for text in texts}
+    asked = [*wanted, *WORDS]
+    shown = "map(frame => frame && { id: frame.id, data: frame.data })"
+    read = evaluated(tmp_path, f"{json.dumps(asked)}.map(pastedFrame).{shown}")
+    assert dict(zip(asked, read, strict=True)) == {**wanted, **dict.fromkeys(WORDS)}
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])

@@ -277,6 +277,19 @@ def test_markdown_extensions_of_code_hosts_are_rendered(small: Path) -> None:
     assert "explorer/index.html" not in text
 
 
+def test_links_to_the_explorer_state_the_language(small: Path) -> None:
+    """Also without a choice of the reader, whose browser may have another one."""
+    (small / "docs/en/index.md").write_text("# Home\n\n[d](../../javascript/explorer/index.html#frame=1)\n")
+    (small / "javascript/explorer").mkdir(parents=True)
+    (small / "javascript/explorer/index.html").write_text("<title>Explorer</title>")
+    text = made(small)
+    assert sorted(re.findall(r'href="(\S*explorer\S*)"', text)) == [
+        "../explorer/index.html?lang=en#frame=1",
+        "./../explorer/index.html?lang=en",
+    ]
+    assert 'data-explorer="../explorer/index.html?lang=en"' in text
+
+
 def test_anchors_are_those_of_code_hosts(tmp_path: Path) -> None:
     (tmp_path / "x.md").write_text(
         "# `0xA1` Torque control, v2.35\n\n```sh\n# none\n```\n\n## 请求：帧\n\n## A\n## A\n## a\\_b *c*\n"

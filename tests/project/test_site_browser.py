@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -12,8 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from canwright.cli import main
+from canwright.conformance.adapter import write_files
 from canwright.project.loader import specification
 from canwright.project.site import build
+from canwright.targets.javascript.page import EditionSpec, explorer
 from click.testing import CliRunner
 
 from ..spec_texts import ROOT
@@ -37,12 +40,13 @@ PAGES = (
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site of two editions, in a folder whose name has a space."""
+    """The site of two editions with the frame explorer, in a folder whose name has a space."""
     folder = tmp_path_factory.mktemp("two editions")
     specs = [ROOT / f"spec/mwd_motor/{edition}.yaml" for edition in EDITIONS]
     specifications = [specification(spec) for spec in specs]
     arguments = ["handover", "--spec", str(specs[0]), "--out", str(folder / "handover")]
     assert CliRunner().invoke(main, arguments).exit_code == 0
+    write_files(explorer([EditionSpec(item) for item in specifications]), folder / "made").rename(folder / "javascript")
     build(pages_of(specifications, folder / "docs"), folder / "site", folder / "handover")
     return folder / "site"
 
@@ -259,6 +263,41 @@ def test_search_with_the_keyboard_only(site: Path, opened: Open) -> None:
     page.keyboard.press("/")
     page.keyboard.type("qqqq")
     expect(page.get_by_role("status")).to_contain_text("No results")
+
+
+def test_a_pasted_frame_opens_the_explorer_in_the_language_of_the_page(site: Path, opened: Open) -> None:
+    page = opened(f"{folder_of(site)}/zh/v2.35/commands/set_torque.html", locale="en-US")
+    links = page.locator("#site-search li > a:first-child")
+    page.keyboard.press("/")
+    for text, shown in (
+        ("(1716900000.123456) can0 143#9A1E00E001000008", "143#9A1E00E001000008"),
+        ("0xA5,0x01,0x00,0x00,0x28,0x23,0x00,0x00", "0xA5,0x01,0x00,0x00,0x28,0x23,0x00,0x00"),
+        ("can0  143   [8]  9A 1E 00 E0 01 00 00 08", "143#9A1E00E001000008"),
+    ):
+        page.get_by_role("searchbox").fill(text)
+        expect(links.first).to_have_text(f"解析该帧 {shown}")
+        expect(page.get_by_role("status")).to_have_text(f"{links.count()} 个结果")
+        assert links.count() > 1
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/explorer/index.html?lang=zh#**")
+    expect(page.locator("#frame")).to_have_value("143#9A1E00E001000008")
+    expect(page.get_by_role("heading", level=1)).to_have_text("帧解析器")
+    page.get_by_role("link", name="文档").click()
+    page.wait_for_url("**/zh/index.html")
+    page.get_by_role("link", name="English").click()
+    page.wait_for_url("**/en/index.html")
+    page.get_by_role("navigation", name="Pages").get_by_role("link", name="Frame explorer").click()
+    page.wait_for_url("**/explorer/index.html?lang=en")
+    page.get_by_role("button", name="中文").click()
+    expect(page.get_by_role("link", name="文档")).to_have_attribute("href", "../zh/index.html")
+
+
+def test_the_number_of_results(site: Path, opened: Open) -> None:
+    page = opened(f"{folder_of(site)}/{COMMAND}")
+    page.keyboard.press("/")
+    for query, text in (("0xA1", "1 result"), ("torque", re.compile(r"^\d+ results$"))):
+        page.get_by_role("searchbox").fill(query)
+        expect(page.get_by_role("status")).to_have_text(text)
 
 
 def test_every_link_and_button_can_be_reached_with_the_keyboard(site: Path, opened: Open) -> None:

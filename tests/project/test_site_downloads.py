@@ -47,7 +47,12 @@ def test_generated_folders_are_packed_and_no_file_of_the_user(site: Path) -> Non
 
 def test_links_lead_to_the_files_of_the_site(site: Path) -> None:
     text = (site / "en/index.html").read_text("utf-8")
-    for link in ("../downloads/dbc.zip", "../downloads/dbc/a%20%26%20b.dbc", "tool.html", "../explorer/index.html"):
+    for link in (
+        "../downloads/dbc.zip",
+        "../downloads/dbc/a%20%26%20b.dbc",
+        "tool.html",
+        "../explorer/index.html?lang=en",
+    ):
         assert f'href="{link}"' in text, link
     assert (site / "en/tool.html").read_text() == "<title>Tool</title>"
     assert "gone" in text

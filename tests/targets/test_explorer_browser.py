@@ -434,11 +434,13 @@ def test_a_command_links_to_its_page(opened: Open, tmp_path: Path) -> None:
     made = write_files(explorer([EditionSpec(specification(SPECS[3]))]), tmp_path) / FOLDER / "index.html"
     page = opened(made, TORQUE.replace("v2.35", "v2.36-2025-03"))
     assert not page.locator("#page").is_visible()
+    assert not page.locator("#documents").is_visible()
     made.write_text(made.read_text("utf-8").replace('data-pages=""', 'data-pages="../"'), "utf-8")
     page = opened(made, TORQUE.replace("v2.35", "v2.36-2025-03") + "&lang=zh")
     edition = specification(SPECS[3]).edition
     entry = next(command for command in edition.commands if command.entry and command.request)
     assert page.locator("#page").get_attribute("href") == f"../zh/{edition.name}/commands/set_torque.html"
+    assert page.get_by_role("link", name="文档").get_attribute("href") == "../zh/index.html"
     page.get_by_label("或选择报文并填写数值").select_option(f"request {entry.name}")
     assert entry.entry is not None
     wanted = f"../zh/{edition.name}/commands/{entry.spec_name}.html#entries.{entry.entry.name}"

@@ -340,15 +340,19 @@
     return Array.isArray(value) ? `[${value.map(listed).join(", ")}]` : String(value);
   }
 
+  /** A link to a page of the documents, whose folder the page of a site states. */
+  function linkDocuments(id, languages, path) {
+    const { pages } = document.documentElement.dataset;
+    at(id).hidden = !pages;
+    at(id).href = pages && `${pages}${languages.includes(state.lang) ? state.lang : languages[0]}/${path}`;
+  }
+
   function showChosen() {
     const { edition, decoded, message } = chosen;
     at("chosen-title").textContent = titleOf(chosen);
     const timing = meaning.timing(message).map((fact) => say(...fact));
     at("chosen-facts").textContent = [decoded.command, say(decoded.direction), meaning.label(edition), ...timing].join(" · ");
-    const { pages } = document.documentElement.dataset; // the folder of the documents; the site has one
-    const { languages } = edition.texts;
-    at("page").hidden = !pages;
-    at("page").href = pages && `${pages}${languages.includes(state.lang) ? state.lang : languages[0]}/${meaning.page(chosen)}`;
+    linkDocuments("page", edition.texts.languages, meaning.page(chosen));
     const effects = Object.entries(edition.texts.commands[decoded.command].effects ?? {});
     const items = effects.filter(([, exemptions]) => decoded.direction === "request" && !isExempt(exemptions));
     at("effects").replaceChildren(
@@ -680,6 +684,7 @@
     for (const element of document.querySelectorAll("[data-label]")) {
       element.textContent = say(element.dataset.label);
     }
+    linkDocuments("documents", meaning.editions.flatMap(({ texts }) => texts.languages), "index.html");
     for (const button of document.querySelectorAll("[data-lang]")) {
       button.setAttribute("aria-pressed", String(button.dataset.lang === state.lang));
     }

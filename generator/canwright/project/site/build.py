@@ -29,6 +29,8 @@ NEEDED = {
 """Modules and the packages that contain them, with the limits of `pyproject.toml`."""
 
 THEME = Path(__file__).parent / "theme"
+FRAMES = Path(__file__).parents[2] / "targets/javascript/explorer/frames.js"
+"""The script of the frame explorer that reads pasted frames; the search asks it, too."""
 DATA = "site.json"
 """The file of the docs target with editions, commands and what a search finds."""
 EXPLORER = "explorer"

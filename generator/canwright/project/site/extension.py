@@ -11,8 +11,8 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
-from .build import DATA, EXPLORER
-from .markdown import Alerts, Anchors, Documents, Links, SectionIds, TrustedHtml, resolve_links
+from .build import DATA
+from .markdown import Alerts, Anchors, Documents, Links, SectionIds, TrustedHtml, explorer_page, resolve_links
 from .menu import Menu
 
 _SETTINGS = ("docs", "language", "languages", "has_explorer", "downloads", "texts", "theme")
@@ -76,7 +76,7 @@ def _add_variables(
         "menu": menu,
         "languages": {name: f"../{name}/{pagename if there else 'index'}.html" for name, there in has.items()},
         "language": config.canwright_language,
-        "explorer": f"../{EXPLORER}/index.html" if config.canwright_has_explorer else "",
+        "explorer": f"../{explorer_page(config)}" if config.canwright_has_explorer else "",
     }
     before, after = menu.neighbours(pagename)
     context["prev"], context["next"] = None, None

@@ -13,7 +13,7 @@ from sphinx.application import Sphinx
 from sphinx.util.console import nocolor
 
 from ...templating.data_files import read_data
-from .build import THEME
+from .build import FRAMES, THEME
 
 _LOCALES = {"en": "en", "zh": "zh_CN"}
 
@@ -44,7 +44,7 @@ def run(settings: dict[str, Any]) -> int:
             "html_theme": "furo",
             "html_title": "canwright",
             "html_favicon": str(THEME / "static" / "favicon.svg"),
-            "html_static_path": [str(THEME / "static")],
+            "html_static_path": [str(THEME / "static"), str(FRAMES)],
             "html_css_files": ["site.css"],
             "html_js_files": [("site.js", {"defer": "defer"})],
             "html_sidebars": {"**": ["menu.html"]},

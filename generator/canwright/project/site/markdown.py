@@ -12,6 +12,7 @@ from urllib.parse import quote as quoted, unquote
 from docutils import nodes
 from sphinx import addnodes
 from sphinx.builders import Builder
+from sphinx.config import Config
 from sphinx.environment import BuildEnvironment
 from sphinx.transforms import SphinxTransform
 from sphinx.util import logging
@@ -123,7 +124,7 @@ class Links(SphinxTransform):
             if ":" in path or path.startswith("/"):
                 continue
             if target == f"../../javascript/{EXPLORER}/index.html":
-                self._link_or_text(link, f"{EXPLORER}/index.html" if self.config.canwright_has_explorer else "")
+                self._link_or_text(link, explorer_page(self.config) if self.config.canwright_has_explorer else "")
             elif _FOLDER.fullmatch(target):
                 self._link_folder(link, target.rpartition("/")[2])
             elif not path or path.endswith(".md"):
@@ -155,6 +156,11 @@ class Links(SphinxTransform):
         else:
             packed = f"{DOWNLOADS}/{folder}.zip"
             self._link_or_text(link, packed if packed in files else "")
+
+
+def explorer_page(config: Config) -> str:
+    """The frame explorer in the language of the pages, by its path from the root."""
+    return f"{EXPLORER}/index.html?lang={config.canwright_language}"
 
 
 class Documents(SphinxTransform):

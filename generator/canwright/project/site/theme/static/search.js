@@ -18,6 +18,8 @@ const FORM = /^(?:ing|ion|or|er|ed|e)?(?: |$)/u;
 /** Where `maxLevel` has two words, but not `mA`. */
 const CAMEL = /(?<=[a-z]{2})(?=[A-Z])/gu;
 
+/** A code or an id as a word of its own. */
+const CODE = /^(?:0x)?[0-9a-f]{2,8}h?$/u;
 /** The bytes of a frame, which manuals print beside codes and fields. */
 const PLACE = /\bdata\s*\[\d+(?:\.\.\d+)?\]/giu;
 /** A month as it is written in Chinese. */
@@ -95,22 +97,16 @@ function distance(word, other, most) {
   return last[other.length];
 }
 
-/** The first data byte of a frame as programs print it, with times, names and lengths around it; null for other text. */
-function pastedCode(text) {
-  const words = text.normalize("NFKC").toLowerCase().replace(/\d+:\d\d(?::\d\d)?(?:\.\d+)?/gu, " ").replace(/(?<![\w-])(?:[0-9a-f]{2}-){3,7}[0-9a-f]{2}(?![\w-])/gu, bytes => bytes.replaceAll("-", " ")).split(/[\s:=,.…[\](){}]+/u).map(word => word.replace(/^0x|h$/gu, ""));
-  const short = words.join(" ").match(/(?:^| )[0-9a-f]{3,8} ?# ?([0-9a-f]{2})(?:[0-9a-f]{2}| )*$/u);
-  if (short) { return short[1]; }
-  const isId = word => /^[0-9a-f]{3,8}$/u.test(word);
-  let longest = { start: 0, count: 0 };
-  for (let start = 0, count = 0; start < words.length; start += count + 1) {
-    for (count = 0; /^[0-9a-f]{2}$/u.test(words[start + count] ?? "");) { count++; }
-    if (count > longest.count) { longest = { start, count }; }
-  }
-  const { start, count } = longest;
-  const hasId = isId(words[start - 1] ?? "") || (/^\d$/u.test(words[start - 1] ?? "") && isId(words[start - 2] ?? ""));
-  if (count > 2 || (count > 1 && hasId)) { return words[count > 8 ? start + count - 8 : start]; }
-  const whole = words.findIndex(word => /^(?:[0-9a-f]{2}){4,8}$/u.test(word));
-  return whole > 0 && words.slice(0, whole).some(isId) || words[whole]?.length === 16 ? words[whole].slice(0, 2) : null;
+/** Bytes side by side, which no number looks like. */
+const PAIR = /(?:(?:\b|x)[0-9a-f]{2}h?(?:\W{1,3}|$)(?:0?x)?){2}/iu;
+const TRIPLE = /(?:(?:\b|x)[0-9a-f]{2}h?(?:\W{1,3}|$)(?:0?x)?){3}/iu;
+
+/** The frame that a query is, in any notation that the frame explorer reads; null for a query that can be words or numbers. */
+function pastedFrame(text) {
+  const { frame } = canwright.frames.parse(text);
+  const plain = text.normalize("NFKC");
+  const least = text.includes("#") ? 0 : frame?.id != null ? (PAIR.test(plain) ? 2 : 4) : (TRIPLE.test(plain) ? 3 : 8);
+  return frame && frame.data.length >= least ? frame : null;
 }
 
 /** A function of a text that computes each result once. */
@@ -125,6 +121,7 @@ function kept(compute) {
 function createSearch(index, language) {
   const groups = index.synonyms.map(group => group.map(normalized));
   const stops = new Set(index.stops.map(normalized));
+  const labels = new Set(groups.filter(group => group.includes("command")).flat().flatMap(text => text.split(" ")));
   const documents = new Map();
   let order = 0;
 
@@ -148,7 +145,7 @@ function createSearch(index, language) {
   }
   for (const { folder, records } of [{ folder: "", records: index.questions }, ...index.editions]) {
     for (const record of records) {
-      const codes = (record.code ?? "").split(", ").flatMap(code => [code, code.replace(/^0x/, ""), code.replace(/^0x(\w+)$/, "$1h")]);
+      const codes = (record.code ?? "").split(", ").flatMap(code => [code, code.replace(/^0x(?!\d\d$)/, ""), code.replace(/^0x(\w+)$/, "$1h")]);
       const rule = record.ids ? [record.name.replace(/^0x/, "")] : [];
       const words = [record.name, ...rule, ...(record.printed ?? "").split(", "), ...Object.values(record.title ?? {}), ...(record.words ?? [])].flatMap(spellings);
       const texts = [...words, ...[...codes, ...(record.units ?? [])].map(normalized)].filter(Boolean);
@@ -170,7 +167,8 @@ function createSearch(index, language) {
   const printed = new Set(items.flatMap(item => (item.printed ?? "").split(", ")).filter(name => /^[a-z]\w+$/iu.test(name)).map(normalized));
   const names = new Map(index.editions.map(edition => [edition.folder, edition.name]));
   const families = new Map(index.editions.map(edition => [edition.folder, edition.family]));
-  const newest = index.editions.at(-1)?.folder ?? "";
+  const folders = [...names.keys()];
+  const newest = folders.at(-1) ?? "";
 
   /**
    * The words that name editions, the longest first: `v2.35 2024 02`, its beginnings, also without `v`, and the month or year of its date.
@@ -290,7 +288,7 @@ function createSearch(index, language) {
 
   /** The item of an id, with the node that it belongs to; null for another id. */
   function ofId(item, query) {
-    const digits = item.ids && query.match(/^(?:0x)?([0-9a-f]{2,8})h?$/u);
+    const digits = item.ids && query.match(/^(?:0x|(?!\d\d$))([0-9a-f]{2,8})h?$/u);
     if (!digits) { return null; }
     const { base, step = 0, first = 0, last = 0 } = item.ids;
     const node = step ? (parseInt(digits[1], 16) - base) / step : 0;
@@ -351,25 +349,44 @@ function createSearch(index, language) {
     });
   }
 
+  /**
+   * A query with `0x` before two digits that are a code: alone, or beside a word for codes. Other digits are a number.
+   * Of words around nothing but codes, only the codes remain; a single letter can be a unit.
+   */
+  function coded(query) {
+    const all = query.split(" ");
+    const isStop = word => word?.length > 1 && stops.has(word);
+    const isOnly = !groups.some(group => group.includes(query)) && all.every(word => CODE.test(word) || isStop(word));
+    const isCode = i => isOnly || labels.has(all[i - 1]) || labels.has(all[i + 1]);
+    const words = all.map((word, i) => /^\d\d$/u.test(word) && isCode(i) ? `0x${word}` : word.replace(/^(0x\w+)h$/u, "$1"));
+    return (isOnly && !all.every(isStop) ? words.filter(word => !isStop(word)) : words).join(" ");
+  }
+
   /** The query without what people paste around it: a frame is its code, `A1h` is `a1`, `0.01rpm` two words. */
   function simplified(text) {
-    const code = pastedCode(text);
-    if (code) { return code; }
+    const frame = pastedFrame(text);
+    if (frame?.data.length) {
+      const code = `0x${canwright.frames.hex(frame.data[0], 2).toLowerCase()}`;
+      return frame.id === null || items.some(({ texts }) => texts.includes(code)) ? code : `0x${canwright.frames.hex(frame.id, 3).toLowerCase()}`;
+    }
     const words = text.replace(MONTH, (_, year, month) => ` ${year} ${month.padStart(2, "0")} `).replace(PLACE, " ").replace(/[a-z]\w*/giu, name => printed.has(normalized(name)) ? name : name.replace(CAMEL, " "));
-    const query = normalized(words.replace(QUANTITY, "$& "));
-    const rest = query.split(" ").filter(word => !stops.has(word)).join(" ");
-    return !groups.some(group => group.includes(query)) && /^(?:0x)?[0-9a-f]+h?$/u.test(rest) ? rest.replace(/^(0x.*)h$/u, "$1") : query;
+    return normalized(words.replace(QUANTITY, "$& "));
   }
 
   /** The hits of a query, best first; those of `edition` before those of others that match as well. */
   return function search(text, edition, texts) {
-    const { folders, means, rest: query } = ofEditions(simplified(text));
-    const { rest: heading } = ofEditions(simplified(text.replace(REMARK, " ")));
+    const { folders: asked, means, rest } = ofEditions(simplified(text));
+    const query = coded(rest);
+    const heading = coded(ofEditions(simplified(text.replace(REMARK, " "))).rest);
     const preferred = means || edition;
-    if (!query && !folders.length) { return []; }
-    const isOf = folder => !folders.length || folders.includes(folder);
+    if (!query && !asked.length) { return []; }
+    const isOf = folder => !asked.length || asked.includes(folder);
     const all = query ? [...new Set([query, heading].flatMap(spelled))].flatMap(each => scored(each, text)) : [...documents.values()].map(found => ({ found, item: found.main ?? found.items[0], score: found.path === "index" && found.folder ? 1 : 0 }));
-    const own = all.filter(({ found }) => isOf(found.folder) || (query && !found.folder));
+    const ofPage = new Map(); // with other spellings, a page is found several times
+    for (const hit of all.filter(({ found }) => isOf(found.folder) || (query && !found.folder))) {
+      if (!(ofPage.get(hit.found)?.score >= hit.score)) { ofPage.set(hit.found, hit); }
+    }
+    const own = [...ofPage.values()].sort((a, b) => folders.indexOf(a.found.folder) - folders.indexOf(b.found.folder));
     const most = Math.max(0, ...own.map(({ score }) => score));
     const pages = new Map();
     for (const hit of own.filter(({ score }) => score > Math.min(most, 1) * LEAST)) {

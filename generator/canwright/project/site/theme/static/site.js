@@ -26,9 +26,12 @@
     if (wide.scrollWidth > wide.clientWidth) { wide.tabIndex = 0; }
   }
 
+  window.canwright = {}; // for the script that reads frames, which is that of the frame explorer
+  const counted = count => texts.results[new Intl.PluralRules(language).select(count)].replace("{count}", count);
+
   let ready = null;
   const load = () => {
-    ready ??= Promise.all(["search.js", "search-index.js"].map(name => new Promise((resolve, reject) => {
+    ready ??= Promise.all(["frames.js", "search.js", "search-index.js"].map(name => new Promise((resolve, reject) => {
       const script = document.createElement("script");
       script.src = `${root}_static/${name}`;
       script.onload = resolve;
@@ -59,14 +62,15 @@
     const query = input.value;
     const hits = search(query, edition, texts);
     list.replaceChildren(...hits.slice(0, 20).map(show));
-    const frame = query.replaceAll(" ", "");
-    if (explorer && /^[0-9a-f]{3,8}#[0-9a-f.]*$/i.test(frame)) {
+    const frame = explorer ? pastedFrame(query) : null;
+    if (frame) {
+      const text = frame.id === null ? query.trim() : canwright.frames.format(frame);
       const item = document.createElement("li");
-      item.append(element("a", `${texts.decode} ${frame}`, { href: `${root}${explorer}#frame=${encodeURIComponent(frame)}` }));
+      item.append(element("a", `${texts.decode} ${text}`, { href: `${root}${explorer}#frame=${encodeURIComponent(text)}` }));
       list.prepend(item);
     }
-    const found = list.children.length;
-    status.textContent = query.trim() ? (found ? texts.results.replace("{count}", hits.length || found) : texts.no_results) : "";
+    const count = hits.length + (frame ? 1 : 0);
+    status.textContent = count ? counted(count) : query.trim() && texts.no_results;
   };
 
   const open = () => {
