@@ -98,8 +98,8 @@ function distance(word, other, most) {
 }
 
 /** Bytes side by side, which no number looks like. */
-const PAIR = /(?:(?:\b|x)[0-9a-f]{2}h?(?:\W{1,3}|$)(?:0?x)?){2}/iu;
-const TRIPLE = /(?:(?:\b|x)[0-9a-f]{2}h?(?:\W{1,3}|$)(?:0?x)?){3}/iu;
+const PAIR = /(?:\b(?:0?x)?[0-9a-f]{2}h?(?:[^\w\u3000-\u9fff]{1,3}|$)){2}/iu;
+const TRIPLE = /(?:\b(?:0?x)?[0-9a-f]{2}h?(?:[^\w\u3000-\u9fff]{1,3}|$)){3}/iu;
 
 /** The frame that a query is, in any notation that the frame explorer reads; null for a query that can be words or numbers. */
 function pastedFrame(text) {
