@@ -6,14 +6,16 @@ import itertools
 import math
 import shlex
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import TypeVar
 
 import can
 import pytest
 from canwright.conformance.adapter import ExactValue
 from canwright.model.golden_frames import CheckedFrame, Exchange, GoldenFrame, RefusedFrame
 from canwright.model.message import Direction
+from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.frame import CanFrame
@@ -26,6 +28,8 @@ from ..tools import run, tool
 from .tshark import Captured, Dissected, capture, dissect
 
 pytestmark = pytest.mark.tools
+
+T = TypeVar("T", GoldenFrame | RefusedFrame, Exchange)
 
 SECOND = 1_000_000_000
 START = 1_700_000_000 * SECOND
@@ -53,15 +57,10 @@ class Replay:
             *(frame for frame in self.frames.refused if isinstance(frame, RefusedFrame)),
         ]
 
-        def under(frame: GoldenFrame | RefusedFrame) -> str:
-            return str(sorted(frame.parameters.items()))
-
-        for _, group in itertools.groupby(sorted(entries, key=under), under):
-            same = list(group)
+        for settings, same in _by_parameters(entries):
             captured = [
                 Captured(START + number * SECOND, _can(frame), _direction(frame)) for number, frame in enumerate(same)
             ]
-            settings = {preference(name): str(value) for name, value in same[0].parameters.items()}
             for frame, dissected in zip(same, self._dissect(captured, {"marks": "always", **settings}), strict=True):
                 wrong = (
                     self._refused(frame, dissected)
@@ -72,18 +71,20 @@ class Replay:
 
     def exchanges(self) -> None:
         """Every pair of frames of the golden file: the second is the reply to the first, or is not."""
-        pairs = [(exchange.request, exchange.reply) for exchange in self.frames.exchanges]
-        captured = [
-            Captured(START + number * SECOND + late * 100_000, _can(frame), direction)
-            for number, pair in enumerate(pairs)
-            for late, (frame, direction) in enumerate(zip(pair, Direction, strict=True))
-        ]
-        dissected = self._dissect(captured, {"marks": "always"})
-        for number, exchange in enumerate(self.frames.exchanges):
-            reply = dissected[2 * number + 1]
-            request = reply.one(self._name("request_in")) if reply else None
-            wanted = str(2 * number + 1) if exchange.says is None else None
-            self._count(exchange, "" if request == wanted else f"request {request}, not {wanted}")
+        for settings, exchanges in _by_parameters(self.frames.exchanges):
+            captured = [
+                Captured(START + number * SECOND + late * 100_000, _can(frame), direction)
+                for number, exchange in enumerate(exchanges)
+                for late, (frame, direction) in enumerate(
+                    zip((exchange.request, exchange.reply), Direction, strict=True)
+                )
+            ]
+            dissected = self._dissect(captured, {"marks": "always", **settings})
+            for number, exchange in enumerate(exchanges):
+                reply = dissected[2 * number + 1]
+                request = reply.one(self._name("request_in")) if reply else None
+                wanted = str(2 * number + 1) if exchange.says is None else None
+                self._count(exchange, "" if request == wanted else f"request {request}, not {wanted}")
 
     def _dissect(self, captured: list[Captured], settings: Mapping[str, str]) -> list[Dissected | None]:
         return dissect(self._folder, [self._script], self.edition.family, captured, settings)
@@ -98,26 +99,32 @@ class Replay:
         return f"{self.edition.family}.{name}"
 
     def _refused(self, frame: RefusedFrame, dissected: Dissected | None) -> str:
-        reason = "unknown_id" if dissected is None else dissected.one(self._name("rejected"))
+        if dissected is None:  # an id with a parameter that is missing is no id of the edition
+            return "" if frame.says in (Refusal.UNKNOWN_ID, Refusal.MISSING_PARAMETER) else "not dissected"
+        reason = dissected.one(self._name("rejected"))
         return "" if reason == frame.says.value else f"{reason}, not {frame.says.value}"
 
     def _decoded(self, frame: GoldenFrame, dissected: Dissected | None) -> str:
-        wanted = self._decoder.identify(frame.direction, _can(frame))
+        wanted = self._decoder.identify(frame.direction, _can(frame), frame.parameters)
         assert isinstance(wanted, Identified)
         if dissected is None:
             return "not dissected"
+        fields = wanted.message.layout.fields
+        run = wanted.message.node_in_data
+        in_data = next((frame.raw[field.name] for field in fields if run and field.is_node), None)
+        node = in_data if frame.node is None else frame.node
         facts = {
             "rejected": None,
             "direction": frame.direction.value,
             "command": wanted.message.command,
-            "node": None if frame.node is None else str(frame.node),
+            "node": None if node is None else str(node),
             "edition": self.edition.name,
         }
         for name, value in facts.items():
             if dissected.one(self._name(name)) != value:
                 return f"{name} {dissected.one(self._name(name))}, not {value}"
-        for field in wanted.message.layout.fields:
-            if field.name in frame.raw:
+        for field in fields:
+            if field.name in frame.raw and field.type.joined is None:
                 raw = frame.raw[field.name]
                 raws = raw if isinstance(raw, list) else [raw]
                 name = self._name(self._filters[field.name])
@@ -129,25 +136,41 @@ class Replay:
                     if [int(bit) for bit in bits] != [raw_ >> flag.value & 1 for raw_ in raws]:
                         return f"{flag.name}: {bits}"
             if field.name in frame.values and not field.type.flags:
-                wrong = self._value(dissected, name, frame.values[field.name])
+                wrong = self._value(dissected, self._name(self._filters[field.name]), frame.values[field.name])
                 if wrong:
                     return f"{field.name}: {wrong}"
         return ""
 
     def _value(self, dissected: Dissected, name: str, value: ExactValue) -> str:
-        shown, texts = dissected.all(name), dissected.texts(name)
-        if value == "none":
-            return "" if not shown or texts[0].split(": ")[1].startswith("unknown") else f"{shown}, not none"
-        if isinstance(value, str):
-            return "" if texts[0].endswith(f": {value}") else f"{texts[0]}, not {value}"
-        wanted = value if isinstance(value, list) else [value]
-        numbers = [float(text) for text in shown]
-        if len(numbers) == len(wanted) and all(
-            math.isclose(float(expected), number, rel_tol=1e-14)
-            for expected, number in zip(wanted, numbers, strict=True)
-        ):
-            return ""
-        return f"{numbers}, not {[float(expected) for expected in wanted]}"
+        shown, wanted = dissected.all(name), value if isinstance(value, list) else [value]
+        named = (text for known, _, text in dissected.fields if known in (name, f"{name}.raw"))
+        # Those of values, of raw integers without one, or none.
+        texts = [text for text in named if " (raw): " not in text] or [""] * len(wanted)
+        numbers = iter(shown)
+        for expected, text in zip(wanted, texts, strict=True):
+            printed = text.partition(": ")[2]
+            if expected == "none":
+                is_right = not shown or printed.startswith("unknown")
+            elif isinstance(expected, str):
+                is_named = printed.endswith(f" ({expected})")  # beside the number
+                is_right = is_named or printed == expected or printed.startswith(f"{expected} (")
+                numbers = iter([*numbers][is_named:])
+            else:
+                is_right = math.isclose(float(expected), float(next(numbers)), rel_tol=1e-14)
+            if not is_right:
+                return f"{printed}, not {expected}"
+        return ""
+
+
+def _by_parameters(entries: Iterable[T]) -> Iterator[tuple[dict[str, str], list[T]]]:
+    """Entries with the same parameters, with these as preferences."""
+
+    def under(entry: T) -> str:
+        return str(sorted(entry.parameters.items()))
+
+    for _, group in itertools.groupby(sorted(entries, key=under), under):
+        same = list(group)
+        yield {preference(name): str(value) for name, value in same[0].parameters.items()}, same
 
 
 def _can(frame: GoldenFrame | RefusedFrame | CheckedFrame) -> CanFrame:

@@ -15,7 +15,7 @@ _LINKED = re.compile(
     r":(?=//|[A-Za-z0-9_+-]+:)|\bwww\.|@(?=[A-Za-z0-9-]+\.[A-Za-z])|(?<![A-Za-z0-9])@(?=[A-Za-z0-9])", re.IGNORECASE
 )
 """Where Markdown would link an address or a person, or insert an emoji; a zero-width space prevents it."""
-_BETWEEN_CHINESE = re.compile(r"(?<=[\u3001-\u9fff]) (?=[\u3001-\u9fff])")
+_BETWEEN_CHINESE = re.compile(r"(?<=[\u3001-\u9fff\uff00-\uff60]) (?=[\u3001-\u9fff\uff00-\uff60])")
 _STARTS = re.compile(r"^([#>+=:-]|[!?](?=[!?]{2})|[0-9]+(?=[.)]\s))")
 
 
@@ -38,7 +38,7 @@ def _escaped_start(match: re.Match[str]) -> str:
 
 
 def spaced(sentence: str) -> str:
-    """A sentence without spaces between Chinese characters, which remain where a word replaces a name or a number."""
+    """A sentence without spaces between Chinese characters, which remain where lines are joined, or a word replaces a name."""
     return _BETWEEN_CHINESE.sub("", sentence)
 
 

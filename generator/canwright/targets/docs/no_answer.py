@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ...model.edition import Edition
 from ...templating import resources
 from ...templating.data_files import read_data
-from ...templating.markup import markdown
+from ...templating.markup import markdown, spaced
 
 PAGE = "no-answer"
 
@@ -40,9 +40,9 @@ def no_answer_page(editions: Iterable[Edition], language: str) -> NoAnswerPage |
         Cause(
             f"{PAGE}.{cause['name']}",
             markdown(cause["title"][language]),
-            markdown(cause["text"][language]),
+            spaced(markdown(cause["text"][language])),
             cause["commands"],
         )
         for cause in written["causes"]
     ]
-    return NoAnswerPage(markdown(written["title"][language]), markdown(written["about"][language]), causes)
+    return NoAnswerPage(markdown(written["title"][language]), spaced(markdown(written["about"][language])), causes)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from ...model.edition import Edition
 from ...templating import resources
 from ...templating.data_files import read_data
-from ...templating.markup import markdown
+from ...templating.markup import markdown, spaced
 from .links import COMMANDS
 
 PAGE = "questions"
@@ -41,7 +41,7 @@ def questions(listed: Sequence[tuple[str, Edition]], language: str) -> Iterator[
         yield Question(
             f"{PAGE}.{written['name']}",
             markdown(written["ask"][language]),
-            markdown(written["answer"][language]),
+            spaced(markdown(written["answer"][language])),
             [link for name in written.get("commands", ()) for link in _links(name, of_family)],
             written.get("pages", ()),
         )
