@@ -102,16 +102,21 @@ def field_rows(message: Message, command: Command, labels: Labels, language: str
                 + (f"{labels['and']}{holds}" if field.is_node else "")
                 + _computed(field.role, labels)
                 + (f"{labels['stop']}{labels['variable']} {code(field.variable)}" if field.variable else "")
-                + _in_manual(field, layout, command, labels)
-                + _members(field.type, labels)
             )
             link = f"[%s](../types.md#types.{field.type.name})" if field.type.path[0] == "types" else "%s"
             only = code(f"{layout.parameter} {', '.join(field.only)}") if field.only else ""
             anchor = f'<a id="{field_anchor(command, message.direction, field)}"></a>'
-            for place in formatting.field_places(field):
+            places = formatting.field_places(field)
+            for place, manual_name in zip(places, _manual_names(field, len(places)), strict=True):
                 formats = "<br>".join(filter(None, (code(place.raw), raw)))
                 yield Row(
-                    anchor + code(place.position), link % code(place.name), formats, resolution, values, only, what
+                    anchor + code(place.position),
+                    link % code(place.name),
+                    formats,
+                    resolution,
+                    values,
+                    only,
+                    what + _in_manual(field, manual_name, layout, command, labels) + _members(field.type, labels),
                 )
                 anchor = ""
 
@@ -155,10 +160,16 @@ def _members(type_: Type, labels: Labels) -> str:
     return f"{without}<br>{label}{listed}"
 
 
-def _in_manual(field: Field, layout: Layout, command: Command, labels: Labels) -> str:
+def _manual_names(field: Field, count: int) -> Sequence[str]:
+    """The name in the manual of each element of a field; the same for all if the manual does not name each."""
+    names = field.manual_name.split(", ")
+    return names if len(names) == count else [field.manual_name] * count
+
+
+def _in_manual(field: Field, manual_name: str, layout: Layout, command: Command, labels: Labels) -> str:
     """The name of a field in the manual, and the section if it differs from that of its layout and command."""
     known = ("", layout.manual, command.manual, command.entry.manual if command.entry else "")
-    cited = formatting.cited("" if field.manual in known else field.manual, field.manual_name)
+    cited = formatting.cited("" if field.manual in known else field.manual, manual_name)
     return f" ({labels['manual']} {markdown(cited)})" if cited else ""
 
 

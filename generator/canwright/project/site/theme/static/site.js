@@ -61,7 +61,7 @@
     const search = await load();
     const query = input.value;
     const hits = search(query, edition, texts);
-    list.replaceChildren(...hits.slice(0, 20).map(show));
+    list.replaceChildren(...hits.map(show));
     const frame = explorer ? pastedFrame(query) : null;
     if (frame) {
       const text = frame.id === null ? query.trim() : canwright.frames.format(frame);
