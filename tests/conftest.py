@@ -16,6 +16,7 @@ import pytest
 from canwright.__main__ import OBJECTS_BETWEEN_COLLECTIONS
 from canwright.conformance.runner import Report
 from canwright.project import loader
+from canwright.targets.base import EditionInput
 
 from .compilers import PROGRAMS
 from .conformance import summary
@@ -59,7 +60,11 @@ def pytest_configure() -> None:
     gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)
     load = loader.specification
     load_once = functools.cache(load)
-    loader.specification = lambda file: (load_once if ROOT in file.parents else load)(file)
+
+    def specification(file: Path, *, for_output: bool = True) -> EditionInput:
+        return (load_once if ROOT in file.parents else load)(file, for_output=for_output)
+
+    loader.specification = specification
 
 
 @pytest.fixture(autouse=True, scope="session")

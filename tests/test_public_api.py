@@ -61,6 +61,25 @@ def test_a_spec_with_an_error_raises_its_findings(tmp_path: Path) -> None:
     assert [finding.position.line for finding in caught.value.diagnostics] == [7]
 
 
+def test_decoding_needs_neither_golden_frames_nor_names_of_targets(tmp_path: Path) -> None:
+    file, level = tmp_path / "lamp.yaml", "level: {at: 2, type: level}"
+    file.with_name("lamp.frames.yaml").write_text("canwright: 1\n", "utf-8")
+    file.write_text(MINIMAL, "utf-8")
+    with pytest.raises(canwright.SpecError, match="missing-key"):
+        canwright.load(file)
+    file.write_text(MINIMAL.replace(level, f"{level}, level_raw: {{at: 4, raw: u8}}"), "utf-8")
+    specification = canwright.load(file, for_output=False)
+    assert specification.frames is None
+    decoded = canwright.Decoder(specification.edition).decode(
+        canwright.Direction.REQUEST, canwright.CanFrame(0x102, bytes.fromhex("10 00 7D 00 05 00 00 00"))
+    )
+    assert isinstance(decoded, canwright.Decoded)
+    assert decoded.raws == {"level": 125, "level_raw": 5}
+    file.with_name("lamp.frames.yaml").unlink()
+    with pytest.raises(canwright.SpecError, match="name-collision"):
+        canwright.load(file)
+
+
 LAMP = (
     MINIMAL
     + """\

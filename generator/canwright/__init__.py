@@ -76,16 +76,17 @@ _MODULES: Mapping[str, Sequence[str]] = {
 }
 
 
-def load(file: str | os.PathLike[str]) -> EditionInput:
+def load(file: str | os.PathLike[str], *, for_output: bool = True) -> EditionInput:
     """The edition in a spec file, with the golden frames beside it where there are any.
 
-    Raises SpecError with all findings when one of them is an error, and OSError.
+    Without `for_output`, it has no golden frames, and names are not compared with those that targets can use: it is not for
+    `generate`, but decodes and encodes, in half the time. Raises SpecError with all findings when one of them is an error, and OSError.
     """
     from pathlib import Path
 
     from .project.loader import specification
 
-    return specification(Path(file))
+    return specification(Path(file), for_output=for_output)
 
 
 def generate(

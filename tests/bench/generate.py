@@ -155,6 +155,10 @@ def measures(runs: Runs) -> Iterator[Measure]:
     for arguments in (["show", "0xA1"], ["editions"]):
         took = runs.seconds(*arguments, "--spec", str(MAIN)) * 1000
         yield Measure(f"canwright {' '.join(arguments)}, one edition, ms", took, at_most=250)
+    script = f"import canwright; canwright.load({str(MAIN)!r}, for_output=False)"
+    runs.run("-c", script)
+    took = min(runs.run("-c", script) for _ in range(ROUNDS)) * 1000
+    yield Measure("canwright.load of one edition for decoding, ms", took, at_most=250)
     for line in ("show 0xA1", "editions", "diff v2.35 v2.36-2025-03 --fail-on none", "decode 141#A1329B00F4010040"):
         yield Measure(f"canwright {line}, all editions, ms", runs.seconds(*line.split()) * 1000, at_most=500)
     out = str(runs.folder / "all")

@@ -65,9 +65,9 @@ def _golden_file(file: Path, edition: Edition) -> GoldenFile | None:
     return read_golden_file(file, edition) if file.is_file() else None
 
 
-def specification(file: Path) -> EditionInput:
+def specification(file: Path, *, for_output: bool = True) -> EditionInput:
     """The input of targets for the edition in `file`. Raises as `load`."""
-    return load(file).specification
+    return load(file, for_output=for_output).specification
 
 
 def all_loaded(files: Iterable[Path], *, for_output: bool = True) -> list[Loaded]:

@@ -34,7 +34,7 @@ def check(
 
 def _check(subject: CheckInput, phase: Phase, document: Document, frames: Document) -> list[Diagnostic]:
     """The findings of a phase. Of several rules about the same key, the first reports it."""
-    by_rule = ((rule, rule.check(subject)) for rule in RULES if rule.check and rule.phase is phase)
+    by_rule = ((rule, rule.check(subject)) for rule in RULES if rule.phase is phase)
     pairs = ((rule, finding) for rule, findings in by_rule for finding in findings)
     rules: dict[tuple[str, int, int], str] = {}
     listed: list[Diagnostic] = []

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from enum import IntEnum
-from typing import NamedTuple
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath, Severity
 from ..language.edition import EditionSpec
 from ..model.edition import Edition
-from ..model.golden_frames import GoldenFrames
+
+if TYPE_CHECKING:
+    from ..model.golden_frames import GoldenFrames
 
 
 class CheckInput(NamedTuple):
@@ -67,13 +71,26 @@ class Phase(IntEnum):
 
 
 class Rule(NamedTuple):
-    """An id for people to look up, what the rule wants, and how much it matters.
+    """An id for people to look up, when it is checked, and how much it matters.
 
-    `check` is None for findings of loading and resolving.
+    The module of that name is imported when it is first used: few runs need all phases.
     """
 
     id: str
-    purpose: str
-    check: Callable[[CheckInput], Findings] | None = None
+    phase: Phase
     severity: Severity = Severity.ERROR
-    phase: Phase = Phase.PARTS
+
+    @property
+    def purpose(self) -> str:
+        """What the rule wants: `PURPOSE` of its module, or the first lines of its docstring."""
+        module = self._module
+        text: str = getattr(module, "PURPOSE", "") or (module.__doc__ or "").partition("\n\n")[0]
+        return text
+
+    def check(self, subject: CheckInput) -> Findings:
+        findings: Findings = self._module.check(subject)
+        return findings
+
+    @property
+    def _module(self) -> ModuleType:
+        return import_module(f".{self.id.replace('-', '_')}", __package__)

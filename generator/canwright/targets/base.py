@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from .. import __version__
 from ..diagnostics.diagnostic import DocumentPath, Severity
 from ..model.edition import Edition
-from ..model.golden_frames import GoldenFrame, GoldenFrames
 from ..model.message import Command, Message
 from ..model.types import Assignment, Parameter, Type
 from .options import Options, TargetOption
+
+if TYPE_CHECKING:
+    from ..model.golden_frames import GoldenFrame, GoldenFrames
 
 PACKAGE_VERSION = __version__
 """The version of generated packages: that of canwright, since the names in generated code depend on it."""
