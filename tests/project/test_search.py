@@ -171,6 +171,19 @@ def test_a_hit_has_each_other_edition_once_in_their_order(language: str, tmp_pat
         assert hit["edition"] not in names
 
 
+def test_other_editions_of_a_hit_are_the_same_item(tmp_path: Path) -> None:
+    """A type, value or erratum that another edition lacks is no link to another item of its page."""
+    queries = ("brake_state", "align_ratio", "over_voltage", "temperature", "0xA1")
+    hits = {query.strip(): of_query[0] for query, of_query in hits_of(tmp_path, "en", {"": queries}).items()}
+    editions = {query: [further["edition"] for further in hit["others"]] for query, hit in hits.items()}
+    assert editions["brake_state"] == ["v2.35-2024-02", "v2.36-2024-11"]
+    assert editions["align_ratio"] == []
+    assert editions["over_voltage"] == ["v2.36-2024-11"]
+    assert editions["temperature"] == editions["0xA1"] == ["v2.35", "v2.35-2024-02", "v2.36-2024-11"]
+    assert {further["anchor"] for further in hits["temperature"]["others"]} == {"types.temperature"}
+    assert (hits["over_voltage"]["title"], hits["0xA1"]["title"]) == ("Over-voltage protection", "Torque control")
+
+
 FRAMES_OF = {
     ("143#9A1E00E0", "can0 143#9A1E00E0", "143 # 9A 1E 00 E0"): (0x143, [0x9A, 0x1E, 0, 0xE0]),
     ("(1716900000.123456) can0 143#9A1E00E0", "143 9A 1E 00 E0"): (0x143, [0x9A, 0x1E, 0, 0xE0]),

@@ -121,6 +121,8 @@ class MonitorApp(App[None]):
         if feed.error:
             self.exit()
             return
+        if not (self.query("#status") and self.query(ValueTable)):
+            return  # the view closes, and its widgets are gone before the timer
         parts = [*feed.status_parts()]
         if self._is_paused:
             parts.insert(0, "PAUSED")

@@ -149,6 +149,11 @@ class Change:
         """The sides that it affects."""
         return tuple(self.verdicts)
 
+    def is_in(self, language: str) -> bool:
+        """Whether it is no change of a text, or changes the text in this language."""
+        new = self.facts.get("new")
+        return self.rule.id not in ("title-changed", "text-changed") or not isinstance(new, Mapping) or language in new
+
     @property
     def differs_by_side(self) -> bool:
         """Whether its impacts on the sides differ."""

@@ -254,7 +254,7 @@ def differing(old: Text, new: Text) -> list[str]:
     return [language for language in old if language in new and old[language] != new[language]]
 
 
-def shortened(text: Text, languages: Iterable[str], longest: int = 60) -> Mapping[str, str]:
+def shortened(text: Text, languages: Iterable[str], longest: int = 100) -> Mapping[str, str]:
     """A text that fits a line, in some languages."""
     texts = {language: text[language] for language in languages}
     return {k: t if len(t) <= longest else t[: longest - 1].rstrip() + "…" for k, t in texts.items()}

@@ -234,14 +234,13 @@ def _shown(message: Message | None, frames: Sequence[GoldenFrame], first: Golden
     if message is None or not frames:
         return
     first = first or frames[0]
-    yield first
-    variants, seen = message.layout.variants, {_variant(message, first)}
     rest = [frame for frame in frames if frame.data != first.data]
-    for frame in rest:
-        if len(variants) > 1 and _variant(message, frame) not in seen:
-            seen.add(_variant(message, frame))
-            yield frame
-    if not _is_negative(first):
+    shown = {_variant(message, first): first}
+    if len(message.layout.variants) > 1:
+        for frame in rest:
+            shown.setdefault(_variant(message, frame), frame)
+    yield from shown.values()
+    if not any(map(_is_negative, shown.values())):
         typical = (frame for frame in rest if _is_negative(frame) and not _extremes(message, frame))
         yield from itertools.islice(typical, 1)
 

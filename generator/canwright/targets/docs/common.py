@@ -10,17 +10,18 @@ from ...compare import Change, compare
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame, GoldenFrames, Value
-from ...model.layout import Layout, Variant
+from ...model.layout import Field, Layout, Variant
 from ...model.message import Command, Direction, Message
 from ...model.metadata import Consent, EndsMotion, Mode
 from ...templating.markup import code, markdown
+from ..availability import is_available
 from ..base import WorkedExchange
 from ..examples import Examples
 from ..registry import own_targets, targets
 from .editions import affecting
-from .links import explorer_link
+from .links import COMMANDS, explorer_link, field_anchor
 from .picture import Drawing, Drawings
-from .tables import code_of, index
+from .tables import code_of, codes, index
 
 
 class Worked(NamedTuple):
@@ -156,6 +157,24 @@ class Common:
         self._affecting: dict[Edition, Mapping[str, Sequence[Change]]] = {}
         self.sheets = list(self._sheets())
 
+    def uses(self) -> Mapping[str, Mapping[tuple[str, Direction], Sequence[str]]]:
+        """Links to the rows of fields from the page of types, by the name of the type, and by field and direction."""
+        uses: dict[str, dict[tuple[str, Direction], list[str]]] = {}
+        forms = [form for sheet in self.sheets for form in sheet.forms]
+        sides = [(form, direction, side) for form in forms for direction, side in form.sides]
+        shown = [(form, direction, side.message) for form, direction, side in sides if side and not side.is_repeated]
+        for form, direction, message in shown:
+            for field in message.layout.fields:
+                if field.type.path[0] == "types" and is_available(message.layout, field, form.command):
+                    links = uses.setdefault(field.type.name, {}).setdefault((field.name, direction), [])
+                    links.append(self._row_link(form, direction, field))
+        return uses
+
+    def _row_link(self, form: Form, direction: Direction, field: Field) -> str:
+        command = form.command
+        title = command.spec_name if command.code is None else " ".join(filter(None, (code_of(command), form.key)))
+        return f"[{title}]({COMMANDS}{command.spec_name}.md#{field_anchor(command, direction, field)})"
+
     def since(self, old: Edition) -> Sequence[Change]:
         """Changes since an older edition."""
         if old not in self._since:
@@ -181,6 +200,7 @@ class Common:
             only = first.only if all(command.only == first.only for command in group) else {}
             view = {
                 "command": first,
+                "codes": ", ".join(dict.fromkeys(code for command in group for code in codes(command))),
                 "code": ", ".join(dict.fromkeys(code_of(command) for command in group if command.code is not None)),
                 "manual": markdown(first.manual),
                 "table": self.edition.table(entry.table) if entry else None,

@@ -127,7 +127,7 @@ def changes(
     return Changes(
         old,
         tuple((impact, lines) for impact, lines in sections if lines),
-        tuple(dict.fromkeys(line(change) for change in differences if is_document(change))),
+        tuple(dict.fromkeys(line(c) for c in differences if is_document(c) and c.is_in(language))),
     )
 
 

@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 from ...model.edition import Edition
 from ...templating import resources
 from ...templating.data_files import read_data
-from ...templating.markup import markdown, spaced
+from ...templating.markup import code, markdown, spaced
 from .links import COMMANDS
+from .tables import codes
 
 PAGE = "questions"
 Record = Mapping[str, Any]
@@ -48,14 +49,13 @@ def questions(listed: Sequence[tuple[str, Edition]], language: str) -> Iterator[
 
 
 def _links(name: str, listed: Sequence[tuple[str, Edition]]) -> Iterator[Link]:
-    """One link for each code that the command has in some editions."""
-    having: dict[int | None, list[tuple[str, Edition]]] = {}
+    """One link for each code, or id without one, that the command has in some editions."""
+    having: dict[str, list[tuple[str, Edition]]] = {}
     for folder, edition in listed:
         for command in edition.forms(name)[:1]:
-            having.setdefault(command.code, []).append((folder, edition))
-    for code, editions in having.items():
-        shown = f"`{name}`" if code is None else f"`0x{code:02X}` `{name}`"
-        yield Link(shown, f"{COMMANDS}{name}.md", editions)
+            having.setdefault(" ".join(map(code, codes(command))), []).append((folder, edition))
+    for shown, editions in having.items():
+        yield Link(f"{shown} {code(name)}".lstrip(), f"{COMMANDS}{name}.md", editions)
 
 
 def question_records(editions: Iterable[Edition]) -> Iterator[Record]:

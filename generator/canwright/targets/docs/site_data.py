@@ -19,7 +19,7 @@ from ...templating.markup import script_text
 from ..availability import is_available
 from .links import COMMANDS, command_page, field_anchor
 from .questions import question_records
-from .tables import index
+from .tables import codes, index
 
 FILE = "site.json"
 
@@ -133,7 +133,7 @@ def _commands(edition: Edition) -> Iterator[Record]:
             "kind": "command",
             "name": name,
             "printed": first.manual_name,
-            "code": ", ".join(dict.fromkeys(code for form in forms for code in _codes(form))),
+            "code": ", ".join(dict.fromkeys(code for form in forms for code in codes(form))),
             "title": dict(first.spec_title),
             "about": dict(first.about),
             "notes": [dict(note) for note in first.notes],
@@ -149,13 +149,6 @@ def _commands(edition: Edition) -> Iterator[Record]:
                     "title": dict(form.title),
                     "pages": [page_of(form)],
                 }
-
-
-def _codes(command: Command) -> Sequence[str]:
-    """The code of a command; without one, the ids of its messages that no node is part of."""
-    if command.code is not None:
-        return [f"0x{command.code:02X}"]
-    return sorted({formatting.id_rule(m.id) for _, m in _messages([command]) if m.id.nodes is None and not m.id_mask})
 
 
 def _messages(

@@ -73,6 +73,14 @@ def code_of(command: Command) -> str:
     return f"0x{command.code:02X}" if command.code is not None else "✓"
 
 
+def codes(command: Command) -> Sequence[str]:
+    """The code of a command; without one, the ids of its messages that no node is part of."""
+    if command.code is not None:
+        return [code_of(command)]
+    messages = [message for message in map(command.message, Direction) if message is not None]
+    return sorted({formatting.id_rule(m.id) for m in messages if m.id.nodes is None and not m.id_mask})
+
+
 def index(message: Message | None) -> str:
     """The bytes that identify the entry: `0x05 0x0A`."""
     return " ".join(f"0x{key.value:02X}" for key in message.keys if key.role is KeyRole.INDEX) if message else ""

@@ -128,7 +128,7 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
         edition: {
             name
             for name, changes in commons[edition].affecting(old).items()
-            if any(change.rule.id != "command-added" for change in changes)
+            if changes and all(change.rule.id != "command-added" for change in changes)
         }
         for edition, old in older.items()
         if old
@@ -192,7 +192,8 @@ def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) 
     named = [type_ for type_ in edition.types if type_.path[0] == "types"]
     for name in _PAGES if edition.states else _PAGES[:-1]:
         yield Output(
-            f"{folder}/{name}.md", env.get_template(f"{name}.md.j2").render(view, named_types=named, tables=tables)
+            f"{folder}/{name}.md",
+            env.get_template(f"{name}.md.j2").render(view, named_types=named, tables=tables, uses=common.uses()),
         )
     template = env.get_template("command.md.j2")
     for sheet in common.sheets:

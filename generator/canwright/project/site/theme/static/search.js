@@ -402,26 +402,33 @@ function createSearch(index, language) {
       const best = good.find(isCurrent) ?? good.find(hit => hit.found.folder === newest) ?? good.at(-1);
       return { best, hits, top, level: Math.floor(Math.min(top, EXACT) * 5), current: asked.includes(best.found.folder) || (preferred !== "" && isCurrent(best)) };
     });
-    ranked.sort((a, b) => b.level - a.level || b.current - a.current || b.top - a.top || a.best.found.order - b.best.found.order);
+    const isNewest = ({ best }) => best.found.folder === newest;
+    ranked.sort((a, b) => b.level - a.level || b.current - a.current || b.top - a.top || isNewest(b) - isNewest(a) || a.best.found.order - b.best.found.order);
     return ranked.map(({ best, hits }) => shown(best, hits, texts));
   };
 
   function shown({ found, item }, hits, texts) {
     const main = found.main ?? item;
     const isMain = item === main;
+    const isOfCommand = main.kind === "command";
     const node = item.node ? `, ${texts.node.replace("{node}", item.node)}` : "";
     const unit = item.units ? ` [${item.units[0]}]` : "";
     const label = texts.kinds[item.kind] ? `${texts.kinds[item.kind]} ` : "";
-    const name = item.name && item.name !== item.title ? `${item.name}: ` : "";
+    const name = item.name && item.name !== item.title ? item.name : "";
     const printed = item.printed ? ` (${item.printed})` : "";
+    const part = isOfCommand ? [name, item.title].filter(Boolean).join(": ") : name;
     return {
       page: found.page,
       anchor: isMain ? "" : item.anchor ?? "",
       code: main.code ?? "",
-      title: main.title,
+      title: isOfCommand ? main.title : item.title,
       edition: names.get(found.folder) ?? "",
-      detail: (isMain ? main.name ?? "" : `${label}${name}${item.title}${unit}${node}`) + printed,
-      others: hits.filter(hit => hit.found !== found).map(hit => ({ page: hit.found.page, anchor: hit.item.anchor ?? "", edition: names.get(hit.found.folder) })),
+      detail: (isMain ? main.name ?? "" : `${isOfCommand ? "" : `${main.title} · `}${label}${part}${unit}${node}`.replace(/ · $/u, "")) + printed,
+      others: hits.filter(hit => hit.found !== found).flatMap(hit => {
+        const same = isMain ? hit.found.main : hit.found.items.find(each => each.kind === item.kind && each.name === item.name && each.title === item.title);
+        const link = { page: hit.found.page, anchor: isMain ? "" : same?.anchor ?? "", edition: names.get(hit.found.folder) };
+        return same || isOfCommand ? [link] : [];
+      }),
     };
   }
 }

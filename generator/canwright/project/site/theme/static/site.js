@@ -70,7 +70,8 @@
       list.prepend(item);
     }
     const count = hits.length + (frame ? 1 : 0);
-    status.textContent = count ? counted(count) : query.trim() && texts.no_results;
+    const [, code] = query.trim().match(/^(?:0x)?([0-9a-f]{2})h?$/iu) ?? [];
+    status.textContent = count ? counted(count) : code ? texts.no_code.replace("{code}", `0x${code.toUpperCase()}`) : query.trim() && texts.no_results;
   };
 
   const open = () => {
