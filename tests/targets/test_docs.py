@@ -36,7 +36,7 @@ def test_every_command_has_a_page_in_every_language(pages: dict[str, str]) -> No
     for language in ("en", "zh"):
         for command in specification(SPEC).edition.commands:
             text = pages[f"{language}/v2.35/commands/{command.name}.md"]
-            code = f"0x{command.code:02X} " if command.code is not None else ""
+            code = f"0x{command.code:02X} " if command.code is not None else "0x280 "
             comma = ", " if language == "en" else "，"
             assert text.startswith(f"# {code}{markdown(command.title[language])}{comma}v2.35\n")
         for name in ("index", "types", "parameters", "errata", "bus"):
