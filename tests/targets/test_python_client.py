@@ -251,6 +251,28 @@ def test_leaving_stops_the_nodes_that_were_moved(bench: Make, on_exit: str, last
     assert bus.sent() == last
 
 
+def test_a_stop_without_a_reply_is_sent_again_at_the_end(bench: Make) -> None:
+    bus = bench()
+    with pytest.raises(bus.client_module.NoReply), bus.client(allow="motion") as client:
+        client.request(bus.torque(2))
+        bus.silent = {2}
+        try:
+            client.request(bus.edition.MotorStopRequest(node=2))
+        finally:
+            bus.silent = set()
+            bus.sent()
+    assert bus.sent() == ["142 81"]
+
+
+def test_each_of_many_requests_to_a_silent_node_has_an_outcome(bench: Make) -> None:
+    bus = bench()
+    with bus.client(allow="motion", on_exit="nothing") as client:
+        bus.silent = {1}
+        outcomes = client.cycle([bus.torque(1)] * 1000)
+    assert isinstance(outcomes[0].error, bus.client_module.NoReply)
+    assert {type(outcome.error) for outcome in outcomes[1:]} == {bus.client_module.NotSent}
+
+
 def test_a_node_that_does_not_confirm_its_stop_is_named(bench: Make) -> None:
     bus = bench()
     with pytest.warns(UserWarning, match=r"nodes did not confirm stop, and may still move: \[2\]"):  # noqa: SIM117

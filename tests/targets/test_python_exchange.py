@@ -20,16 +20,18 @@ def _frame(text: str) -> Frame:
     return 1, False, False, False, text.encode()
 
 
-def _call(name: str, replies: int = 1) -> Call:
+def _call(name: str, frames: int = 1, tries: int = 1, *, at_once: bool = False) -> Call:
     reply = {_frame(f"{name}!"), *([_frame(name)] if name in ECHOED else [])}
     return Call(
         key=name,
         frame=_frame(name),
         accept=lambda frame: frame if frame in reply else None,
         timeout=TIMEOUT,
-        replies=replies,
+        frames=frames,
         is_read=name in READS,
         differs=name in READS,
+        tries=tries,
+        at_once=at_once,
     )
 
 
@@ -39,6 +41,7 @@ class _Line:
     def __init__(self, vector: Mapping[str, Any]) -> None:
         alike = {frozenset(pair) for pair in vector.get("alike", ())}
         self.counters = Counters()
+        self._open: list[Call] = []
         self._replies = vector.get("replies", {})
         self.line = Line(
             [_call(name) for name in vector.get("reads", READS)],
@@ -54,19 +57,19 @@ class _Line:
 
     def step(self, now: float, event: str, *given: str) -> str:
         """What an event leads to: what is sent, or how the request ends."""
-        was_open = self.line.is_open or event == "open"
         if event == "open":
-            call = _call(given[0], self._replies.get(given[0], 1))
             tries = int(given[1]) if given[1:] and given[1].isdigit() else 1
-            sent = self.line.open(call, now, tries, at_once="at_once" in given)
+            call = _call(given[0], self._replies.get(given[0], 1), tries, at_once="at_once" in given)
+            self._open.append(call)
+            sent = self.line.open(call, now)
         elif event == "feed":
             sent = self.line.feed(_frame(given[0]), now)
         else:
             assert now == pytest.approx(self.line.deadline)
             sent = self.line.tick(now)
-        if sent is not None:
-            return str(sent.key)
-        return (self.line.failure or "done") if was_open and not self.line.is_open else "nothing"
+        ended = [call.failure or "done" for call in self._open if call.at is not None]
+        self._open = [call for call in self._open if call.at is None]
+        return ", ".join([*ended, *([str(sent.key)] if sent else [])]) or "nothing"
 
 
 @pytest.mark.parametrize("vector", VECTORS, ids=[vector["name"] for vector in VECTORS])

@@ -107,7 +107,7 @@ def _check_class(edition: Edition, message: Message, cls: Any) -> None:
         assert command.manual == cls.MANUAL, cls
     if message.direction is Direction.REQUEST:
         first = [reply for reply in command.replies if not reply.is_alternative]
-        assert sum(reply.frames * (len(reply.from_each) or 1) for reply in first) == cls.REPLIES, cls
+        assert sum(reply.frames for reply in first) == cls.REPLIES, cls
         assert command.from_each == cls.REPLIERS, cls
         assert (None if command.repeat is None else command.repeat is Repeat.SAME) == cls.REPEAT, cls
         within = command.reply_within_ms

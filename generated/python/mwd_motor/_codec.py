@@ -1003,7 +1003,7 @@ class Message:
     REPEAT: ClassVar[bool | None] = None
     """Whether it can be sent again if no reply came; None if that follows from the effects."""
     REPLIES: ClassVar[int] = 1
-    """The number of frames that answer a request, at most."""
+    """The number of frames with which a node answers a request, at most."""
     REPLIERS: ClassVar[tuple[int, ...]] = ()
     """The nodes that reply one by one; empty if the node of the request replies."""
     DIFFERS: ClassVar[bool] = False

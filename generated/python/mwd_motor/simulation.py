@@ -6,8 +6,7 @@ What a node does beyond that, such as moving, is a `Behaviour` that a program gi
 
 from __future__ import annotations
 
-import heapq
-import itertools
+import bisect
 import math
 import random
 import threading
@@ -15,7 +14,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
-from types import TracebackType
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import can
@@ -130,7 +129,7 @@ class SimulatedNode:
             if not self.behaviour.command(self, request):
                 return []
         kinds = self.node.edition.replies_to(type(request))
-        return self._frames(kinds, request)[: request.REPLIES // (len(request.REPLIERS) or 1)]
+        return self._frames(kinds, request)[: request.REPLIES]
 
     def cyclic(self, kind: type[Message]) -> list[Message]:
         """The frames of one of the replies that a node sends without a request."""
@@ -254,8 +253,8 @@ class Simulation:
         self._copies = Copies(own_frames)
         self._random = random.Random(self.faults.seed)
         self._silent: dict[int, float] = {}
-        self._due: list[tuple[float, int, can.Message]] = []
-        self._numbers = itertools.count()
+        self._due: list[tuple[float, can.Message]] = []
+        """What is sent, and when, in this order."""
         self._last: dict[int, float] = {}
         self._stepped = time.monotonic()
         self._cycles = {
@@ -274,7 +273,7 @@ class Simulation:
         """Answers for a time in seconds, or until `stop` or an interrupt. Raises what the bus raises."""
         until = math.inf if seconds is None else time.monotonic() + seconds
         while not self._is_ending.is_set() and (now := time.monotonic()) < until:
-            due = [*(due for due, _, _ in self._due[:1]), *self._cycles.values()]
+            due = [*(at for at, _ in self._due[:1]), *self._cycles.values()]
             frame = self.bus.recv(max(0.0, min([POLL, until - now, *(at - now for at in due)])))
             now = time.monotonic()
             self.step(now)
@@ -329,12 +328,12 @@ class Simulation:
     def _queue(self, number: int, at: float, frame: can.Message) -> None:
         """A node answers in order: what comes after a late frame is late, too."""
         at = self._last[number] = max(at, self._last.get(number, at))
-        heapq.heappush(self._due, (at, next(self._numbers), frame))
+        bisect.insort(self._due, (at, frame), key=itemgetter(0))
 
     def flush(self, now: float) -> None:
         """Sends the frames that are due. Raises what the bus raises."""
         while self._due and self._due[0][0] <= now:
-            frame = heapq.heappop(self._due)[2]
+            _, frame = self._due.pop(0)
             self._copies.add(frame_of(frame))
             self.bus.send(frame)
             self.answered += 1
@@ -366,7 +365,5 @@ class Simulation:
         self.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.stop()

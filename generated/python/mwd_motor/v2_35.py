@@ -1809,7 +1809,6 @@ class BroadcastTorqueRequest(Request["SetTorqueReply"]):
     TITLE = "Torque control of up to four motors"
     MANUAL = "3.1"
     EFFECTS = ("moves",)
-    REPLIES = 4
     REPLIERS = (1, 2, 3, 4)
 
     __match_args__ = ("iq",)

@@ -100,7 +100,9 @@ def request(
         sys.exit(FINDINGS)
     package = PythonPackage(specification, given)
     requests = [package.request(message, node, frame) for node, frame in frames.items()]
-    if measure and (requests[0].REPLIES != 1 or any(package.client.effects_of(each) for each in requests)):
+    if measure and (
+        requests[0].REPLIES != 1 or requests[0].REPLIERS or any(package.client.effects_of(each) for each in requests)
+    ):
         stop(f"--measure is for commands with one reply and without effects; {message.command} is none")
     errors: Sequence[Any]
     with opened_bus(bus_arguments) as bus:
@@ -171,7 +173,7 @@ def exchanged(
             return [reply for each in outcomes for reply in each.replies], errors
         if first.REPLIES:
             replies = client.gather(first, allow=allow)
-            wanted = sum(node in client.nodes for node in first.REPLIERS) * (first.REPLIES // len(first.REPLIERS))
+            wanted = first.REPLIES * sum(node in client.nodes for node in first.REPLIERS)
             text = f"{len(replies)} of {wanted} replies to {first} came in time"
             return replies, [package.client.NoReply(text)] if len(replies) < wanted else []
         for each in requests:

@@ -99,7 +99,7 @@ def class_attributes(edition: Edition, command: Command) -> Iterator[code.Code]:
         yield code.dict_of(fields, "EXEMPT = ")
     if command.repeat is not None:
         yield f"REPEAT = {command.repeat is Repeat.SAME}"
-    replies = sum(reply.frames * (len(reply.from_each) or 1) for reply in command.replies if not reply.is_alternative)
+    replies = sum(reply.frames for reply in command.replies if not reply.is_alternative)
     if replies != 1:
         yield f"REPLIES = {replies}"
     if command.from_each:

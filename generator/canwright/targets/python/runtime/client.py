@@ -11,9 +11,10 @@ import threading
 import time
 import warnings
 from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from types import TracebackType
+from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 import can
@@ -37,6 +38,8 @@ TIMEOUT = 0.02
 LISTEN = 0.1
 """The longest time in seconds that listening waits at once, so that an interrupt ends it on every system."""
 STOP_TRIES = 3
+BUS_ERRORS = can.CanError, OSError, ValueError
+"""What a bus raises that does not work; ValueError after it was closed."""
 ON_EXIT = {"stop": "stop", "off": "switch_off", "nothing": ""}
 """What ends the motion of a node at the end, by the argument `on_exit`."""
 UNSOLICITED = 1 << 12
@@ -70,10 +73,13 @@ class BusLost(ClientError, ConnectionError):  # noqa: N818
 class ConsentError(ClientError, PermissionError):
     """The program did not allow an effect of the request, which was not sent."""
 
-    reason = ""
-    """What was not sent, and the effect."""
-    consent = ""
-    """What would allow it."""
+    def __init__(self, request: object, effect: str, consent: str) -> None:
+        self.reason = f"{request} was not sent. {effect}"
+        """What was not sent, and the effect."""
+        self.consent = consent
+        """What would allow it."""
+        where = f'Client(..., allow="{consent}") or ' if consent == MOTION else ""
+        super().__init__(f'{self.reason}. To allow this, write {where}request(..., allow="{consent}")')
 
 
 FAILURES: Mapping[str, tuple[type[ClientError], str]] = {
@@ -87,7 +93,7 @@ FAILURES: Mapping[str, tuple[type[ClientError], str]] = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass
 class Outcome(Generic[R]):
     """What became of a request: its replies, usually one, or the reason that there is none."""
 
@@ -143,69 +149,30 @@ def effects_of(request: Message) -> tuple[str, ...]:
     return names
 
 
-@dataclass(eq=False)
-class _Job:
-    """A request on the line of a node; without one, the line is made certain."""
+@dataclass(eq=False, kw_only=True)
+class _Job(Call):
+    """The call of a request to a node."""
 
-    line: Line
+    node: Node[Any, Any]
     request: Request[Any] | None = None
-    call: Call | None = None
-    tries: int = 1
-    at_once: bool = False
+    moves: bool = False
+    ends_motion: bool = False
     error: ClientError | None = None
-    replies: tuple[Any, ...] = ()
-    at: float = 0.0
 
-
-class _Batch:
-    """The requests of one call: those of a line wait for each other. `live` are the lines with an open request."""
-
-    def __init__(self, client: ClientCore, jobs: Iterable[_Job]) -> None:
-        self.live: dict[Line, _Job] = {}
-        self._client = client
-        self._waiting: dict[Line, deque[_Job]] = {}
-        for job in jobs:
-            self._waiting.setdefault(job.line, deque()).append(job)
-
-    def start(self, now: float) -> None:
-        for line in self._waiting:
-            self._next(line, now)
-
-    def step(self, frame: can.Message | None, now: float) -> None:
-        """A frame came, or a deadline is reached."""
-        if frame is not None:
-            for line in self._client.lines_of(frame):
-                call = line.feed(frame_of(frame), now)
-                if line in self.live:
-                    self._after(line, call, now)
-        for line in [line for line in self.live if line.deadline <= now]:
-            self._after(line, line.tick(now), now)
-
-    def _next(self, line: Line, now: float) -> None:
-        if self._waiting[line]:
-            job = self.live[line] = self._waiting[line].popleft()
-            self._after(line, line.open(job.call, now, job.tries, at_once=job.at_once), now)
-
-    def _after(self, line: Line, call: Call | None, now: float) -> None:
-        """Sends what a line asks for, and ends its request if it is over."""
-        job = self.live[line]
-        if call is not None and call.message is not None and not self._client.transmit(call.message):
-            line.not_sent()
-        if not line.is_open:
-            del self.live[line]
-            job.replies, job.at = tuple(line.replies), now
-            if line.failure:
-                kind, text = FAILURES[line.failure]
-                job.error = kind(text.format(job.request or "a read"))
-            self._next(line, now)
-
-
-Steps = Generator[float, can.Message | None, T]
-"""Steps that wait: they yield until when, and get the next frame, or None if none came until then."""
+    def outcome(self) -> Outcome[Any]:
+        """What became of the request."""
+        if self.failure and self.error is None:
+            kind, text = FAILURES[self.failure]
+            self.error = kind(text.format(self.request or "a read"))
+        at = time.monotonic() if self.at is None else self.at
+        return Outcome(cast("Request[Any]", self.request), tuple(self.replies), self.error, at)
 
 
 class ClientCore:
-    """What clients with and without threads have in common; steps do the work, and a client waits for them."""
+    """What clients with and without asyncio have in common. Its coroutines wait for the bus in `_receive` only.
+
+    Here that blocks, so they never suspend; a client for asyncio replaces it.
+    """
 
     def __init__(
         self,
@@ -234,46 +201,52 @@ class ClientCore:
             raise ValueError(f"on_exit={on_exit!r} is none of {', '.join(ON_EXIT)}")
         self.nodes: dict[int, Node[Any, Any]] = {}
         self.counters = Counters()
-        self._numbering = Numbering()
         self.unsolicited: deque[Message] = deque(maxlen=UNSOLICITED)
         """Frames that nodes sent without a request, the oldest first."""
-        self._allow = allow
+        self._numbering = Numbering()
         self._on_exit = on_exit
         self._timeout = timeout
         self._bit_rate = bit_rate
         self._own_frames = own_frames
-        self._lost: BaseException | None
-        self._moved: dict[int, None] = {}
         self._bits = 0
+        self._moved: dict[int, None] = {}
+        self._kinds: dict[tuple[int, type[Message]], tuple[float, bool]] = {}
         for node in nodes:
             if node.node in self.nodes:
                 raise ValueError(f"{self.nodes[node.node]!r} and {node!r} have the same number")
             self.nodes[node.node] = node
+        self._granted = {
+            number: ("none", allow if isinstance(allow, str) else allow.get(number, "")) for number in self.nodes
+        }
         self._lock = threading.RLock()
         self._notifier = notifier
-        self._reader = can.BufferedReader() if notifier else None
-        if notifier and self._reader:
+        self._reader = can.BufferedReader()
+        if notifier:
             notifier.add_listener(self._reader)
         self._use(bus)
 
     def _use(self, bus: can.BusABC) -> None:
         """Nothing is known of the nodes, and of what the bus returns."""
-        self.bus, self._lost = bus, None
+        self.bus = bus
+        self._lost: BusLost | None = None
+        self._until = math.inf
+        """When the next deadline of a line is, or sooner."""
         self._copies = Copies(self._own_frames)
         self._lines = {number: self._line(node) for number, node in self.nodes.items()}
         self._by_id: dict[tuple[int, bool], Line] = {}
-        unlisted: dict[Line, None] = {}
+        self._without_id: list[Line] = []
         for number, node in self.nodes.items():
             line, ids = self._lines[number], [*node.ids_of("reply")]
             self._by_id |= {(can_id, extended): line for can_id, mask, extended, _ in ids if not mask}
             if not ids or any(mask for _, mask, _, _ in ids):  # the data or a part of the id decides
-                unlisted[line] = None
-        self._without_id = tuple(unlisted)
+                self._without_id.append(line)
 
     def _line(self, node: Node[Any, Any]) -> Line:
         facts = node.edition.client_facts
-        requests = (_decodable(node, read) for read in facts.reads)
-        reads = [self._call(node, request, self._timeout) for request in requests if request is not None]
+        reads: list[_Job] = []
+        for read in facts.reads:
+            with suppress(CodecError):  # the node does not have it, or its reply could not be decoded
+                reads.append(self._job(node, node.make(read), self._timeout))
         sent, received = ({ids[::2] for ids in node.ids_of(direction)} for direction in ("request", "reply"))
         longest = 47 + 64  # bits of a frame with 8 bytes, without stuff bits
         return Line(
@@ -285,7 +258,7 @@ class ClientCore:
             in_order=facts.answers_in_order,
             timeout=self._timeout,
             floor=2 * longest / self._bit_rate if self._bit_rate else 0.0,
-            claims=lambda frame: self._claims(node, frame),
+            claims=partial(self._claims, node),
         )
 
     def _claims(self, node: Node[Any, Any], frame: Frame) -> bool:
@@ -299,10 +272,44 @@ class ClientCore:
         self.unsolicited.append(message)
         return True
 
-    def _call(self, node: Node[Any, Any], request: Request[Any], timeout: float | None) -> Call:
-        edition, parameters, is_fd = node.edition, node.parameters, request.FD
-        decode: Callable[..., Any] = edition.decode_answer
-        within = request.REPLY_WITHIN_MS or edition.REPLY_WITHIN_MS or 0.0
+    def _node(self, number: int | None, request: Message | None = None) -> Node[Any, Any]:
+        """The node of a number, to which a request goes; without a number the only node. Raises ValueError or TypeError."""
+        if number is None and len(self.nodes) == 1:
+            number = next(iter(self.nodes))
+        node = self.nodes.get(-1 if number is None else number)
+        if node is None and request is None:
+            raise ValueError(f"node={number} is none of this client; give one of {[*self.nodes]}")
+        if node is None:
+            raise ValueError(f"{request} is for node {number}, which this client does not have")
+        if request is not None and type(request).__module__ != getattr(node.edition, "__name__", None):
+            raise TypeError(f"{type(request).__module__}.{type(request).__name__} is of another edition than {node!r}")
+        return node
+
+    def _kind(self, node: Node[Any, Any], kind: type[Message]) -> tuple[float, bool]:
+        """The reply time in seconds of a class of requests, and whether they end a motion.
+
+        Raises CodecError if their reply could not be decoded; a motion can be ended nevertheless.
+        """
+        known = self._kinds.get((node.node, kind))
+        if known is None:
+            ends_motion = kind in node.edition.client_facts.ends_motion.values()
+            for reply in () if ends_motion else node.edition.replies_to(kind):
+                places(reply, node.parameters)
+            within = kind.REPLY_WITHIN_MS or node.edition.REPLY_WITHIN_MS or 0.0
+            known = self._kinds[node.node, kind] = within / 1000, ends_motion
+        return known
+
+    def _job(self, node: Node[Any, Any], request: Request[Any], timeout: float | None = None, allow: str = "") -> _Job:
+        """The job of a request. Raises CodecError, and ConsentError if an effect is not allowed; ending a motion always is."""
+        facts, parameters, is_fd = node.edition.client_facts, node.parameters, request.FD
+        effects = [facts.effects[name] for name in effects_of(request)]
+        within, ends_motion = self._kind(node, type(request))
+        for title, consent, _, _ in () if ends_motion else effects:
+            if consent not in self._granted[node.node] and consent not in allow.split():
+                raise ConsentError(request, title, consent)
+        if request.ONLY and request.parameters != parameters:
+            request.replace(parameters=parameters)  # rejected where the node lacks the command
+        decode = node.edition.decode_answer
         message = to_message(request)
 
         def accept(frame: Frame) -> Any:
@@ -313,96 +320,68 @@ class ClientCore:
                 return None
             return None if fd and not is_fd else reply
 
-        return Call(
+        return _Job(
             key=type(request),
             frame=frame_of(message),
             accept=accept,
-            timeout=timeout if timeout is not None else within / 1000 + self._timeout,
-            replies=request.REPLIES // (len(request.REPLIERS) or 1),
-            is_read=not effects_of(request) and bool(edition.client_facts.effects),
+            timeout=within + self._timeout if timeout is None else timeout,
+            frames=request.REPLIES or 1,
+            is_read=not effects and bool(facts.effects),
             differs=request.DIFFERS,
             message=message,
+            node=node,
+            request=request,
+            moves=MOTION in [consent for _, consent, _, _ in effects],
+            ends_motion=ends_motion,
         )
 
-    # Consent
+    # Frames
 
-    def _node_of(self, request: Message) -> Node[Any, Any]:
-        """The node of a request; of one without a node the only one. Raises ValueError or TypeError."""
-        number: int | None = request.node
-        alone = len(self.nodes) == 1 and number is None
-        node = next(iter(self.nodes.values())) if alone else self.nodes.get(-1 if number is None else number)
-        if node is None:
-            raise ValueError(f"{request} is for node {request.node}, which this client does not have")
-        if type(request).__module__ != getattr(node.edition, "__name__", None):
-            raise TypeError(f"{type(request).__module__}.{type(request).__name__} is of another edition than {node!r}")
-        return node
-
-    def _check_consent(self, node: Node[Any, Any], request: Message, allow: str) -> None:
-        """Raises ConsentError if the program did not allow an effect of a request."""
-        effects = node.edition.client_facts.effects
-        for name in effects_of(request):
-            title, consent, _, _ = effects[name]
-            granted = allow.split()
-            if consent == MOTION:
-                granted += (self._allow if isinstance(self._allow, str) else self._allow.get(node.node, "")).split()
-            if consent == "none" or consent in granted:
-                continue
-            where = f'Client(..., allow="{consent}") or ' if consent == MOTION else ""
-            reason = f"{request} was not sent. {title}"
-            error = ConsentError(f'{reason}. To allow this, write {where}request(..., allow="{consent}")')
-            error.reason, error.consent = reason, consent
-            raise error
-        if request.ONLY and request.parameters != node.parameters:
-            request.replace(parameters=node.parameters)  # rejected where the node lacks the command
-        if type(request) not in node.edition.client_facts.ends_motion.values():
-            _check_replies(node, type(request))
-
-    def _check_tries(self, node: Node[Any, Any], request: Message, tries: int) -> None:
-        effects = node.edition.client_facts.effects
-        is_repeatable = all(effects[name][2] for name in effects_of(request))
-        if not (is_repeatable if request.REPEAT is None else request.REPEAT):
-            raise ValueError(f"{request} cannot be repeated safely; leave out tries={tries}")
-
-    def _note(self, node: Node[Any, Any], request: Message) -> None:
-        """Stores whether a node has to be stopped at the end."""
-        if type(request) in node.edition.client_facts.ends_motion.values():
-            self._moved.pop(node.node, None)
-        elif any(node.edition.client_facts.effects[name][1] == MOTION for name in effects_of(request)):
-            self._moved[node.node] = None
-
-    # Steps
+    async def _receive(self, until: float) -> can.Message | None:
+        """The next frame; None if there is none until then, or if the wait ended before. Raises BusLost."""
+        try:
+            return self._receiver()(max(0.0, until - time.monotonic()))
+        except BUS_ERRORS as error:
+            raise BusLost(f"the bus does not work: {error}") from error
 
     def _receiver(self) -> Callable[[float], can.Message | None]:
         """What returns the next frame, or None if there is none for a time in seconds."""
-        return self._reader.get_message if self._reader else self.bus.recv
+        return self._reader.get_message if self._notifier else self.bus.recv
 
-    def _exchange(self, jobs: Sequence[_Job]) -> Steps[None]:
-        """Exchanges with all nodes at once, and with one node one after the other."""
-        batch, clock = _Batch(self, jobs), time.monotonic
-        try:
-            while (frame := (yield 0.0)) is not None:  # what came before is no reply
-                self._idle(frame)
-            batch.start(clock())
-            while batch.live:
-                frame = yield min(line.deadline for line in batch.live)
-                batch.step(frame, clock())
-        except BusLost as error:
-            self._lost = error
-            for job in jobs:
-                if not job.at:
-                    job.error, job.at = error, clock()
-        finally:
-            for line in batch.live:
-                line.abort(clock())
+    def _feed(self, frame: can.Message, now: float) -> None:
+        """Gives a frame to the lines that it may belong to."""
+        if frame.is_error_frame:
+            self.counters.errors += 1
+            return
+        owner = self._by_id.get((frame.arbitration_id, frame.is_extended_id))
+        for line in self._without_id if owner is None else (owner,):
+            self._send_calls(line, line.feed(frame_of(frame), now), now)
 
-    def _idle(self, frame: can.Message) -> None:
-        """A frame while no request is open."""
-        for line in self.lines_of(frame):
-            line.feed(frame_of(frame), time.monotonic())
+    def _send_calls(self, line: Line, call: Call | None, now: float) -> None:
+        """Sends what a line asks for."""
+        while call is not None and call.message is not None and not self._transmit(call.message):
+            call = line.not_sent(now)
+        if line.deadline < self._until:
+            self._until = line.deadline
 
-    def transmit(self, message: can.Message) -> bool:
+    def _tick(self, lines: Iterable[Line], now: float) -> None:
+        """The next deadline is reached."""
+        for line in lines:
+            if line.deadline <= now:
+                self._send_calls(line, line.tick(now), now)
+        self._until = min(line.deadline for line in lines)
+
+    def _note_motion(self, job: _Job, *, is_ended: bool) -> None:
+        """Stores whether a node has to be stopped at the end."""
+        if is_ended:
+            self._moved.pop(job.node.node, None)
+        elif job.moves:
+            self._moved[job.node.node] = None
+
+    def _transmit(self, message: can.Message) -> bool:
         """Sends a frame; whether the queue of the driver had room for it. Raises BusLost."""
-        self._bits += 2 * _bits(message)
+        if self._bit_rate:
+            self._bits += 2 * _bits(message)
         try:
             self.bus.send(message)
         except (can.CanError, OSError) as error:
@@ -411,81 +390,103 @@ class ClientCore:
             raise BusLost(f"the bus does not work: {error}") from error
         return True
 
-    def lines_of(self, frame: can.Message) -> tuple[Line, ...]:
-        """The lines that a frame may belong to."""
-        if frame.is_error_frame:
-            self.counters.errors += 1
-            return ()
-        line = self._by_id.get((frame.arbitration_id, frame.is_extended_id))
-        return self._without_id if line is None else (line,)
+    def _check_bus(self) -> None:
+        if self._lost is not None:
+            raise BusLost(f"{self._lost}; call reopen") from self._lost
 
-    def _settle(self, lines: Iterable[Line], request: Message | None = None) -> Steps[None]:
-        """Makes lines certain with a read each. Raises NotSent for a request that was to follow."""
-        jobs = [_Job(line) for line in lines if not line.is_certain]
-        yield from self._exchange(jobs)
-        error = next((job.error for job in jobs if job.error), None)
-        if request and error:
-            raise NotSent(f"{request} was not sent, because a node does not answer") from error
+    # What the methods of both clients do
 
-    def _gather_steps(self, request: Request[R], allow: str, timeout: float | None) -> Steps[list[R]]:
-        nodes = [self.nodes[number] for number in request.REPLIERS if number in self.nodes] or [self._node_of(request)]
-        for node in nodes:
-            self._check_consent(node, request, allow)
+    async def _exchange(self, jobs: Sequence[_Job]) -> None:
+        """Exchanges with all nodes at once, and with one node one after the other."""
         self._check_bus()
-        request = self._numbering.next(request)
-        lines = [self._lines[node.node] for node in nodes]
-        yield from self._settle(lines, request)
-        jobs: list[_Job] = []
-        for node, line in zip(nodes, lines, strict=True):
-            self._note(node, request)
-            call = self._call(node, request, timeout)
-            jobs.append(_Job(line, request, replace(call, message=None) if jobs else call))
-        yield from self._exchange(jobs)
-        return [cast("R", reply) for job in jobs for reply in job.replies]
+        clock = time.monotonic
+        lines = dict.fromkeys([self._lines[job.node.node] for job in jobs])
+        self._until = math.inf
+        try:
+            while (frame := await self._receive(0.0)) is not None:  # what came before is no reply
+                self._feed(frame, clock())
+            for job in jobs:
+                line, now = self._lines[job.node.node], clock()
+                self._send_calls(line, line.open(job, now), now)
+            for job in jobs:
+                while job.at is None:
+                    frame = await self._receive(self._until)
+                    now = clock()
+                    if frame is not None:
+                        self._feed(frame, now)
+                    if now >= self._until:
+                        self._tick(lines, now)
+        except BusLost as error:
+            self._lost = error
+            for job in jobs:
+                job.error = error if job.at is None else None
+        finally:
+            for line in lines:
+                line.abort(clock())
+            for job in jobs:
+                self._note_motion(job, is_ended=job.ends_motion and bool(job.replies))
 
-    def _send_steps(self, request: Request[Any], allow: str) -> Steps[None]:
-        nodes = [*self.nodes.values()] if request.node is None else [self._node_of(request)]
-        for node in nodes:
-            self._check_consent(node, request, allow)
-            self._note(node, request)
-        self._check_bus()
-        yield from self._settle((self._lines[node.node] for node in nodes), request)
-        if not self.transmit(to_message(self._numbering.next(request))):
-            raise NotSent(f"{request} was not sent: the queue of the driver is full")
-        self.counters.sent += 1
+    async def _settle(self, nodes: Iterable[Node[Any, Any]]) -> ClientError | None:
+        """Makes the lines of nodes certain with a read each. Returns the first error."""
+        jobs = [_Job(node=node) for node in nodes if not self._lines[node.node].is_certain]
+        await self._exchange(jobs)
+        return next(filter(None, (job.outcome().error for job in jobs)), None)
 
-    def _cycle_steps(
-        self, requests: Sequence[Request[R]], allow: str, tries: int, timeout: float | None
-    ) -> Steps[list[Outcome[R]]]:
+    async def _cycle(
+        self, requests: Sequence[Request[R]], allow: str = "", tries: int = 1, timeout: float | None = None
+    ) -> list[Outcome[R]]:
         jobs: list[_Job] = []
         for request in requests:
             if not request.REPLIES or request.REPLIERS:
                 number = "several" if request.REPLIES else "no"
                 raise TypeError(f"{request} has {number} replies; use send or gather")
-            node = self._node_of(request)
+            node = self._node(request.node, request)
             if tries > 1:
-                self._check_tries(node, request, tries)
-            job = _Job(self._lines[node.node], request, None, tries)
+                _check_repeatable(node, request, tries)
             try:
-                self._check_consent(node, request, allow)
-                job.request = self._numbering.next(request)
-                job.call = self._call(node, job.request, timeout)
-                self._note(node, request)
+                job = self._job(node, self._numbering.next(request), timeout, allow)
             except ConsentError as error:
-                job.error = error
+                job = _Job(node=node, error=error)
             except CodecError as error:
-                job.error = NotSent(f"{request} was not sent: {error}")
-                job.error.__cause__ = error
+                lacking = NotSent(f"{request} was not sent: {error}")
+                lacking.__cause__ = error
+                job = _Job(node=node, error=lacking)
+            job.request, job.tries = request, tries
             jobs.append(job)
-        self._check_bus()
-        yield from self._exchange([job for job in jobs if job.error is None])
-        return [
-            Outcome(request, job.replies, job.error, job.at or time.monotonic())
-            for request, job in zip(requests, jobs, strict=True)
-        ]
+        await self._exchange([job for job in jobs if job.error is None])
+        return [job.outcome() for job in jobs]
 
-    def _periods(self, rate: float, start: float, bits: int) -> Iterator[tuple[int, float]]:
-        """The number of each period after the first, and the time to wait for it; missed ones are left out and counted."""
+    async def _settled(
+        self, nodes: Sequence[Node[Any, Any]], request: Request[Any], allow: str, timeout: float | None
+    ) -> list[_Job]:
+        """The jobs of one request to several nodes, whose lines are certain."""
+        request = self._numbering.next(request)
+        jobs = [self._job(node, request, timeout, allow) for node in nodes]
+        if error := await self._settle(nodes):
+            raise NotSent(f"{request} was not sent, because a node does not answer") from error
+        return jobs
+
+    async def _gather(self, request: Request[R], allow: str, timeout: float | None) -> list[R]:
+        repliers = [self.nodes[number] for number in request.REPLIERS if number in self.nodes]
+        jobs = await self._settled(repliers or [self._node(request.node, request)], request, allow, timeout)
+        for job in jobs[1:]:
+            job.message = None
+        await self._exchange(jobs)
+        return [reply for job in jobs for reply in job.replies]
+
+    async def _send(self, request: Request[Any], allow: str) -> None:
+        nodes = [*self.nodes.values()] if request.node is None else []
+        jobs = await self._settled(nodes or [self._node(request.node, request)], request, allow, None)
+        for job in jobs:
+            self._note_motion(job, is_ended=job.ends_motion)
+        if not self._transmit(jobs[0].message):
+            raise NotSent(f"{request} was not sent: the queue of the driver is full")
+        self.counters.sent += 1
+
+    def _periods(self, rate: float) -> Iterator[tuple[int, float]]:
+        """The number of each period, and the time to wait for it; missed ones are left out and counted."""
+        start, bits = time.monotonic(), self._bits
+        yield 0, 0.0
         needed = (self._bits - bits) / self._bit_rate if self._bit_rate else 0.0
         if needed * rate > 1:
             text = f"need {needed * 1000:.2f} ms at {self._bit_rate} bit/s, more than {1000 / rate:.2f} ms"
@@ -498,133 +499,102 @@ class ClientCore:
             number = due
             yield number, max(0.0, start + number / rate - now)
 
-    # Settings
-
-    def _known(self, node: int | None) -> Node[Any, Any]:
-        """The node of a number; without one the only node. Raises ValueError."""
-        if node is None and len(self.nodes) == 1:
-            return next(iter(self.nodes.values()))
-        if node is None or node not in self.nodes:
-            raise ValueError(f"node={node} is none of this client; give one of {[*self.nodes]}")
-        return self.nodes[node]
-
-    def _dump_steps(self, number: int | None) -> Steps[dict[str, Any]]:
-        node = self._known(number)
-        settings = yield from self._read_steps(node, node.edition.client_facts.settings)
+    async def _dump(self, number: int | None) -> dict[str, Any]:
+        node = self._node(number)
+        settings = await self._read(node, node.edition.client_facts.settings)
         return {name: value for values in settings.values() for name, value in values.items()}
 
-    def _read_steps(
+    async def _read(
         self, node: Node[Any, Any], reads: Iterable[type[Request[Any]]]
-    ) -> Steps[dict[type[Request[Any]], dict[str, Any]]]:
+    ) -> dict[type[Request[Any]], dict[str, Any]]:
         """What each read returns of the settings that the node has. Raises ClientError."""
-        settings = node.edition.client_facts.settings
-        requests = [request for read in reads if (request := _made(node, read)) is not None]
-        outcomes = yield from self._cycle_steps(requests, "", 1, None)
-        return {
-            type(outcome.request): {
-                name: value
-                for name, value in variables_of(outcome.get()).items()
-                if any(name in write.VARIABLES.values() for write in settings[type(outcome.request)].values())
-            }
-            for outcome in outcomes
-        }
+        requests: list[Request[Any]] = []
+        for read in reads:
+            with suppress(CodecError):  # the node does not have it
+                requests.append(node.make(read))
+        settings: dict[type[Request[Any]], dict[str, Any]] = {}
+        for outcome in await self._cycle(requests):
+            read = type(outcome.request)
+            writes = node.edition.client_facts.settings[read].values()
+            written = {name for write in writes for name in write.VARIABLES.values()}
+            values = variables_of(outcome.get())
+            settings[read] = {name: value for name, value in values.items() if name in written}
+        return settings
 
-    def _restore_steps(
+    async def _restore(
         self, settings: Mapping[str, Any], number: int | None, kept: str, allow: str
-    ) -> Steps[dict[str, tuple[Any, Any]]]:
-        node = self._known(number)
+    ) -> dict[str, tuple[Any, Any]]:
+        node = self._node(number)
         requests = node.edition.client_facts.settings
-        present = yield from self._read_steps(node, requests)
+        present = await self._read(node, requests)
         missing = settings.keys() - {name for values in present.values() for name in values}
         if missing:
             raise ValueError(f"{node!r} has no settings {', '.join(sorted(missing))}")
-        writes: dict[type[Request[Any]], Request[Any]] = {}
-        unread: set[type[Request[Any]]] = set()
+        writes: list[_Job] = []
+        written: list[type[Request[Any]]] = []
+        """The reads that return what is written; no description states it of what is staged."""
         changed: dict[str, tuple[Any, Any]] = {}
         for read, values in present.items():
             wanted = values | {name: settings[name] for name in values if name in settings}
             differing = differences(values, wanted)
-            if differing:
-                how = next((how for how in ((kept,) if kept else KEPT) if how in requests[read]), None)
-                if how is None:
-                    raise ValueError(f"{node!r} has no request that writes {', '.join(differing)} with kept={kept!r}")
-                write = requests[read][how]
-                if how == "staged":  # no description states whether a read returns it
-                    unread.add(read)
-                request = node.make(write, **{field: wanted[name] for field, name in write.VARIABLES.items()})
-                self._check_consent(node, request, allow)
-                writes[read] = request
-                changed |= differing
-        outcomes = yield from self._cycle_steps([*writes.values()], allow, 1, None)
-        replies = [variables_of(outcome.get()) for outcome in outcomes]
-        replies += (yield from self._read_steps(node, writes.keys() - unread)).values()
-        for values in replies:
+            if not differing:
+                continue
+            how = next((how for how in ((kept,) if kept else KEPT) if how in requests[read]), None)
+            if how is None:
+                raise ValueError(f"{node!r} has no request that writes {', '.join(differing)} with kept={kept!r}")
+            write = requests[read][how]
+            request = node.make(write, **{field: wanted[name] for field, name in write.VARIABLES.items()})
+            writes.append(self._job(node, request, allow=allow))
+            changed |= differing
+            if how != "staged":
+                written.append(read)
+        await self._exchange(writes)
+        replies = [variables_of(job.outcome().get()) for job in writes]
+        for values in (*replies, *(await self._read(node, written)).values()):
             for name in changed.keys() & values.keys():
                 if values[name] != changed[name][1]:
                     raise NotWritten(f"{name} of {node!r} is {values[name]!r} after {changed[name][1]!r} was written")
         return changed
 
-    def _listen_steps(self, until: float) -> Steps[Message | None]:
+    async def _listen(self, until: float) -> Message | None:
         """The next frame that a node sent without a request; None if none came until then."""
         self._check_bus()
         while not self.unsolicited:
             now = time.monotonic()
-            frame = yield min(until, now + LISTEN)
+            frame = await self._receive(min(until, now + LISTEN))
             if frame is not None:
-                self._idle(frame)
+                self._feed(frame, time.monotonic())
             elif now >= until:
                 return None
         return self.unsolicited.popleft()
 
-    def _check_bus(self) -> None:
-        if self._lost is not None:
-            raise BusLost(f"{self._lost}; call reopen") from self._lost
-
-    def _close_steps(self) -> Steps[None]:
+    async def _close(self) -> None:
         """Stops the nodes that were moved, and stops reading. Warns of each node that does not confirm it."""
-        moved = [*self._moved] if self._on_exit != "nothing" else []
-        jobs: dict[int, _Job] = {}
-        for number in moved if self._lost is None else ():
+        jobs: list[_Job] = []
+        for number in self._moved if self._lost is None else ():
             node = self.nodes[number]
             stop = node.edition.client_facts.ends_motion.get(ON_EXIT[self._on_exit])
             if stop is not None:
-                request = node.make(stop)
-                call = self._call(node, request, None)
-                jobs[number] = _Job(self._lines[number], request, call, STOP_TRIES, at_once=True)
+                jobs.append(self._job(node, node.make(stop)))
+                jobs[-1].tries, jobs[-1].at_once = STOP_TRIES, True
         if jobs:
-            yield from self._exchange(list(jobs.values()))
-        self._moved.clear()
-        if self._notifier and self._reader:
+            await self._exchange(jobs)
+        if self._notifier:
             self._notifier.remove_listener(self._reader)
-            self._reader = None
-        unconfirmed = [number for number in moved if number not in jobs or jobs[number].error]
+            self._notifier = None
+        unconfirmed = [*self._moved] if self._on_exit != "nothing" else []
+        self._moved.clear()
         if unconfirmed:
             text = f"nodes did not confirm {self._on_exit}, and may still move: {unconfirmed}"
             warnings.warn(text, stacklevel=2)
 
 
-def _made(node: Node[Any, Any], read: type[Request[Any]]) -> Request[Any] | None:
-    """A read for a node; None if the node does not have it."""
-    try:
-        return node.make(read)
-    except CodecError:
-        return None
-
-
-def _check_replies(node: Node[Any, Any], request: type[Message]) -> None:
-    """Raises CodecError if a reply cannot be decoded without a parameter that is unknown."""
-    for kind in node.edition.replies_to(request):
-        if kind.VARIANT_BY:
-            places(kind, node.parameters)
-
-
-def _decodable(node: Node[Any, Any], read: type[Request[Any]]) -> Request[Any] | None:
-    """A read for a node; None if the node does not have it, or if its reply could not be decoded."""
-    try:
-        _check_replies(node, read)
-    except CodecError:
-        return None
-    return _made(node, read)
+def _check_repeatable(node: Node[Any, Any], request: Message, tries: int) -> None:
+    """Raises ValueError if a request cannot be repeated safely."""
+    effects = node.edition.client_facts.effects
+    is_repeatable = all(effects[name][2] for name in effects_of(request)) if request.REPEAT is None else request.REPEAT
+    if not is_repeatable:
+        raise ValueError(f"{request} cannot be repeated safely; leave out tries={tries}")
 
 
 def _bits(message: can.Message) -> int:
@@ -648,25 +618,16 @@ class Client(ClientCore):
 
     def _use(self, bus: can.BusABC) -> None:
         super()._use(bus)
-        self._drive(self._settle(self._lines.values()))
+        self._run(self._settle(self.nodes.values()))
 
-    def _drive(self, steps: Steps[T]) -> T:
-        """Waits for the bus between steps."""
+    def _run(self, steps: Coroutine[Any, Any, T]) -> T:
+        """What the steps of a method return; they never suspend."""
         with self._lock:
-            receive, clock = self._receiver(), time.monotonic
             try:
-                until = next(steps)
-                while True:
-                    try:
-                        message = receive(max(0.0, until - clock()))
-                    except (can.CanError, OSError, ValueError) as error:
-                        until = steps.throw(BusLost(f"the bus does not work: {error}"))
-                    except BaseException as error:  # such as KeyboardInterrupt: open requests end
-                        until = steps.throw(error)
-                    else:
-                        until = steps.send(message)
+                steps.send(None)
             except StopIteration as stop:
                 return cast("T", stop.value)
+        raise RuntimeError("the steps wait for more than the bus")
 
     def request(self, request: Request[R], *, allow: str = "", tries: int = 1, timeout: float | None = None) -> R:
         """The reply to a request. Raises ClientError: NoReply, NotSent, Unproven, BusLost, ConsentError.
@@ -679,19 +640,19 @@ class Client(ClientCore):
         self, requests: Sequence[Request[R]], *, allow: str = "", tries: int = 1, timeout: float | None = None
     ) -> list[Outcome[R]]:
         """Sends requests to all nodes at once and waits for all; the outcome of each, in the same order."""
-        return self._drive(self._cycle_steps(requests, allow, tries, timeout))
+        return self._run(self._cycle(requests, allow, tries, timeout))
 
     def gather(self, request: Request[R], *, allow: str = "", timeout: float | None = None) -> list[R]:
         """The replies of several nodes, or of several frames, to one request: those that came in time."""
-        return self._drive(self._gather_steps(request, allow, timeout))
+        return self._run(self._gather(request, allow, timeout))
 
     def send(self, request: Request[Any], *, allow: str = "") -> None:
         """Sends a request that nodes do not answer. Raises ClientError."""
-        self._drive(self._send_steps(request, allow))
+        self._run(self._send(request, allow))
 
     def dump(self, node: int | None = None) -> dict[str, Any]:
         """The settings of a node, by the names of its variables, in the units of their fields. Raises ClientError."""
-        return self._drive(self._dump_steps(node))
+        return self._run(self._dump(node))
 
     def restore(
         self, settings: Mapping[str, Any], node: int | None = None, *, kept: str = "", allow: str = ""
@@ -702,16 +663,14 @@ class Client(ClientCore):
         the first of `ram`, `staged` and `rom` that there is. Raises ValueError, ConsentError or CodecError before anything is
         written, and ClientError: NotWritten if the node has another value then.
         """
-        return self._drive(self._restore_steps(settings, node, kept, allow))
+        return self._run(self._restore(settings, node, kept, allow))
 
     def every(self, rate: float) -> Iterator[int]:
         """The number of each period, `rate` times a second, at absolute times; missed periods are left out and counted.
 
         Warns if the frames of the first period need more time on the wire than there is.
         """
-        periods = self._periods(rate, time.monotonic(), self._bits)
-        yield 0
-        for number, pause in periods:
+        for number, pause in self._periods(rate):
             time.sleep(pause)
             yield number
 
@@ -721,7 +680,7 @@ class Client(ClientCore):
         Requests of other threads wait meanwhile; frames that come while a request is open are kept.
         """
         until = time.monotonic() + seconds
-        while (message := self._drive(self._listen_steps(until))) is not None:
+        while (message := self._run(self._listen(until))) is not None:
             yield message
 
     def reopen(self, bus: can.BusABC) -> None:
@@ -731,12 +690,10 @@ class Client(ClientCore):
 
     def close(self) -> None:
         """Stops the nodes that were moved, and stops reading. Warns of each node that does not confirm it."""
-        self._drive(self._close_steps())
+        self._run(self._close())
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

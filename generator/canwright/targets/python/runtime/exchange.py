@@ -1,9 +1,9 @@
 """Requests and replies of one node, without I/O and without a clock: the rules of every client.
 
-`Line.open`, `feed` and `tick` return the call to send next, if there is one. `Line.deadline` is when to call `tick`. Times are
-seconds of any clock.
+`Line.open`, `feed`, `tick` and `not_sent` return the call to send next, if there is one. `Line.deadline` is when to call `tick`.
+Times are seconds of any clock.
 
-One request of a node is in flight. After a missing reply the line is uncertain: that reply may still come. Before the next
+One request of a node is in flight; others wait for it. After a missing reply the line is uncertain: that reply may still come. Before the next
 request, and before a second try, a read whose reply cannot be mistaken for an owed one has to answer. A node that answers in
 order sends nothing older after that.
 """
@@ -11,6 +11,7 @@ order sends nothing older after that.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -33,16 +34,17 @@ MAX_COPIES = 1 << 12
 NO_REPLY, UNPROVEN, SILENT, NOT_SENT, ABORTED = "no_reply", "unproven", "silent", "not_sent", "aborted"
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class Call:
-    """A request to send: its frame, and what finds its reply in a frame or returns None."""
+    """A request to send, and what became of it. One without replies is not sent; it only makes its line certain."""
 
-    key: Any
+    key: Any = None
     """What identifies its reply: calls with the same key have the same reply."""
-    frame: Frame
-    accept: Callable[[Frame], Any]
-    timeout: float
-    replies: int = 1
+    frame: Frame = (-1, False, False, False, b"")
+    accept: Callable[[Frame], Any] = lambda frame: None
+    """Finds its reply in a frame, or returns None."""
+    timeout: float = 0.0
+    frames: int = 0
     """The number of frames that answer it, at most."""
     is_read: bool = False
     """Whether it changes nothing in the node."""
@@ -50,6 +52,14 @@ class Call:
     """Whether its reply never equals its frame."""
     message: Any = None
     """What its program sends; None if it sends nothing, because another call has the same frame."""
+    tries: int = 1
+    at_once: bool = False
+    """Whether it is sent on an uncertain line, too."""
+    replies: list[Any] = field(default_factory=list)
+    failure: str = ""
+    """Why there is no reply."""
+    at: float | None = None
+    """When it ended."""
 
 
 @dataclass
@@ -95,9 +105,11 @@ class Copies:
         return False
 
     def learn(self, *, returned: bool) -> None:
-        self.returned = returned
-        if not returned:
-            self.expected.clear()
+        """A read has shown it, if that was unknown."""
+        if self.returned is None:
+            self.returned = returned
+            if not returned:
+                self.expected.clear()
 
 
 class Line:
@@ -121,18 +133,8 @@ class Line:
         floor: float = 0.0,
         claims: Callable[[Frame], bool] = lambda frame: False,
     ) -> None:
-        self.floor = floor
-        self._timeout = timeout
-        self._claims = claims
-        self._misses = 0
-        self._is_sent = False
-        """Whether the open request was sent."""
         self.deadline = math.inf
-        self.call: Call | None = None
-        """The open request; None if there is none, or if the line is only made certain."""
-        self.is_open = False
-        self.replies: list[Any] = []
-        self.failure = ""
+        """Infinite if no request is open."""
         self.is_certain = False
         """Whether no older reply can come. It is unknown what an earlier program sent."""
         self._reads = reads
@@ -140,96 +142,99 @@ class Line:
         self._copies = copies if shares_ids else Copies(returned=False)
         self._counters = counters
         self._in_order = in_order
-        self._owed: dict[Any, None] = {}
+        self._timeout = timeout
+        self._floor = floor
+        self._claims = claims
+        self._waiting: deque[Call] = deque()
+        self._call: Call | None = None
+        """The open request."""
         self._current: Call | None = None
         """The call whose reply is awaited: the open request, or a read before it."""
+        self._is_sent = False
+        """Whether the open request was sent."""
+        self._owed: dict[Any, None] = {}
         self._sent_at = 0.0
-        self._equal = 0
-        self._tries = self._fences = 0
+        self._equal = self._fences = self._misses = 0
         self._quiet_until = -math.inf
 
-    def open(self, call: Call | None, now: float, tries: int = 1, *, at_once: bool = False) -> Call | None:
-        """Starts a request; without one, the line is made certain. `at_once` sends it on an uncertain line, too."""
-        assert not self.is_open, "one request in flight for each node"
-        self.call, self.replies, self.failure, self.is_open = call, [], "", True
-        self._tries, self._fences, self._is_sent = tries, FENCES, False
-        if at_once or (self.is_certain and not self._needs_proof()):
-            return self._request(now)
-        return self._make_certain(now)
+    def open(self, call: Call, now: float) -> Call | None:
+        """Starts a request, after those that are open."""
+        self._waiting.append(call)
+        return self._next(now)
 
     def feed(self, frame: Frame, now: float) -> Call | None:
         """A frame that may come from this node."""
-        if self._copies.take(frame):
-            if self._copies.returned is None:
-                self._equal += 1
-            return None
-        if self._current is None or now < self._sent_at + self.floor:
-            self._unexpected(frame, now)
-            return None
-        if self._copies.returned is None and frame == self._current.frame:
-            self._equal += 1
-            return None
-        reply = self._current.accept(frame)
-        if reply is None:
-            if not self._claims(frame):
-                self._counters.late += 1
-            return None
-        self._counters.answered += 1
-        self._misses = 0
         current = self._current
-        if current is not self.call:
-            return self._answered_read(now)
-        self.replies.append(reply)
-        if len(self.replies) < current.replies:
-            return None
-        if current.is_read and (not self.is_certain or self._needs_proof()):
-            return self._answered_read(now)
-        self._close()
+        if self._copies.take(frame):
+            self._equal += 1
+        elif current is None or now < self._sent_at + self._floor:
+            self._unexpected(frame, now)
+        elif self._copies.returned is None and frame == current.frame:
+            self._equal += 1
+        elif (reply := current.accept(frame)) is not None:
+            self._counters.answered += 1
+            self._misses = 0
+            return self._answered(current, reply, now) or self._next(now)
+        elif not self._claims(frame):
+            self._counters.late += 1
         return None
 
     def tick(self, now: float) -> Call | None:
         """The deadline is reached."""
-        current = self._current
+        current, call = self._current, self._call
+        assert call is not None, "a request is open"
         if current is None:  # the time in which a copy of the read can come is over
-            return self._proved(now)
+            self._copies.learn(returned=self._equal > 0)
+            return self._continue(call, now) or self._next(now)
         self._counters.missing += 1
         self._misses += 1
         if self._misses >= MISSES:
             self._rest(now, PAUSE)
         self._lose(current, now)
-        if current is not self.call:
-            return self._make_certain(now)
-        if self.replies:
-            self._close()
-        elif self._equal and self._copies.returned is None:
+        if current is call and call.replies:
+            self._close(now)
+        elif current is call and self._equal and self._copies.returned is None:
             self._counters.unproven += 1
-            self._close(UNPROVEN)
-        elif self._tries:
-            return self._make_certain(now)
+            self._close(now, UNPROVEN)
+        elif current is not call or call.tries:
+            return self._make_certain(call, now) or self._next(now)
         else:
-            self._close(NO_REPLY)
-        return None
+            self._close(now, NO_REPLY)
+        return self._next(now)
 
-    def not_sent(self) -> None:
+    def not_sent(self, now: float) -> Call | None:
         """The call that was returned last could not be sent."""
         if self._current is not None:
             self._copies.take(self._current.frame)
         self._counters.sent -= 1
-        self._close(NOT_SENT)
+        self._close(now, NOT_SENT)
+        return self._next(now)
 
     def abort(self, now: float) -> None:
-        """Ends the open request; its reply may still come."""
+        """Ends all requests; the reply to the open one may still come."""
+        self._waiting.clear()
         if self._current is not None:
             self._lose(self._current, now)
-        self._close(ABORTED)
+        if self._call is not None:
+            self._close(now, ABORTED)
 
-    def _request(self, now: float) -> Call | None:
-        if self.call is None:
-            self._close()
+    def _next(self, now: float) -> Call | None:
+        """Starts the next request if none is open."""
+        sent = None
+        while self._call is None and self._waiting:
+            call = self._call = self._waiting.popleft()
+            self._fences, self._is_sent = FENCES, False
+            is_ready = call.at_once or (self.is_certain and not self._needs_proof())
+            sent = self._request(call, now) if is_ready else self._make_certain(call, now)
+        return sent
+
+    def _request(self, call: Call, now: float) -> Call | None:
+        if not call.frames:
+            self._close(now)
             return None
-        self._tries -= 1
+        call.tries -= 1
         self._is_sent = True
-        return self._send(self.call, now)
+        return self._send(call, now)
 
     def _send(self, call: Call, now: float) -> Call:
         self._current, self._sent_at, self.deadline, self._equal = call, now, now + call.timeout, 0
@@ -241,54 +246,59 @@ class Line:
         """Whether a read can show if the bus returns own frames, which is unknown."""
         return self._copies.returned is None and any(read.differs for read in self._reads)
 
-    def _make_certain(self, now: float) -> Call | None:
+    def _make_certain(self, call: Call, now: float) -> Call | None:
         """Sends a read whose reply is not owed, or the request if it is one."""
         if now < self._quiet_until:
-            self._close(SILENT)
+            self._close(now, SILENT)
             return None
         if not self._in_order:
             self._owed.clear()
         if not self._reads:
             self.is_certain = True
-            return self._request(now)
+            return self._request(call, now)
         needs_proof = self._needs_proof()
-        own = [self.call] if self.call and self.call.is_read else []
-        usable = (read for read in (*own, *self._reads) if self._is_free(read))
-        read = next((read for read in usable if read.differs or not needs_proof), None)
+        usable = [read for read in (call, *self._reads) if read.is_read and (read.differs or not needs_proof)]
+        read = next((read for read in usable if self._is_free(read)), None)
         if read is None:
             self._owed.clear()
             self._rest(now, QUIET)
-        elif read is self.call:
-            return self._request(now)
+        elif read is call:
+            return self._request(call, now)
         elif self._fences:
             self._fences -= 1
             return self._send(read, now)
-        self._close(NO_REPLY if self.call is None or self._is_sent else SILENT)
+        self._close(now, NO_REPLY if self._is_sent else SILENT)
         return None
 
     def _is_free(self, read: Call) -> bool:
         return not any(read.key == owed or self._alike(read.key, owed) for owed in self._owed)
 
-    def _answered_read(self, now: float) -> Call | None:
-        """A read has its reply: nothing older comes any more."""
+    def _answered(self, current: Call, reply: Any, now: float) -> Call | None:
+        """The request or a read before it has a reply; after that of a read, nothing older comes any more."""
+        call = self._call
+        assert call is not None, "a request is open"
+        if current is call:
+            current.replies.append(reply)
+            if len(current.replies) < current.frames:
+                return None
+            if not current.is_read or (self.is_certain and not self._needs_proof()):
+                self._close(now)
+                return None
         self._owed.clear()
         self.is_certain = True
-        is_proof = self._copies.returned is None and self._current and self._current.differs
-        if is_proof and not self._equal:
-            self._current, self.deadline = None, now + LATER_COPY
-            return None
-        return self._proved(now) if is_proof else self._continue(now)
+        if self._copies.returned is None and current.differs:
+            if not self._equal:
+                self._current, self.deadline = None, now + LATER_COPY
+                return None
+            self._copies.learn(returned=True)
+        return self._continue(call, now)
 
-    def _proved(self, now: float) -> Call | None:
-        if self._copies.returned is None:
-            self._copies.learn(returned=self._equal > 0)
-        return self._continue(now)
-
-    def _continue(self, now: float) -> Call | None:
-        if self.replies:
-            self._close()
-            return None
-        return self._request(now)
+    def _continue(self, call: Call, now: float) -> Call | None:
+        """Sends the request, unless it was the read that made the line certain."""
+        if not call.replies:
+            return self._request(call, now)
+        self._close(now)
+        return None
 
     def _lose(self, call: Call, now: float) -> None:
         self._owed[call.key] = None
@@ -299,8 +309,11 @@ class Line:
     def _rest(self, now: float, timeouts: int) -> None:
         self._quiet_until = max(self._quiet_until, now + timeouts * self._timeout)
 
-    def _close(self, failure: str = "") -> None:
-        self.failure, self.is_open, self._current, self.deadline = failure, False, None, math.inf
+    def _close(self, now: float, failure: str = "") -> None:
+        if self._call is not None:
+            self._call.failure, self._call.at = failure, now
+        self._call = self._current = None
+        self.deadline = math.inf
 
     def _unexpected(self, frame: Frame, now: float) -> None:
         """A frame that no request waits for."""
