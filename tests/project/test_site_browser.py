@@ -265,6 +265,19 @@ def test_search_with_the_keyboard_only(site: Path, opened: Open) -> None:
     expect(page.get_by_role("status")).to_contain_text("No results")
 
 
+def test_a_field_opens_its_row(site: Path, opened: Open) -> None:
+    page = opened(f"{folder_of(site)}/{COMMAND}")
+    expect(page.locator(".sidebar-tree .current-page").last).to_be_in_viewport()
+    page.keyboard.press("/")
+    page.keyboard.type("angleIncrement")
+    expect(page.get_by_role("status")).to_contain_text("result")
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/en/v2.35/commands/move_by_angle.html#request.increment")
+    row = page.locator("tr:has(:target)")
+    expect(row).to_contain_text("angleIncrement")
+    expect(row).to_be_in_viewport()
+
+
 def test_a_pasted_frame_opens_the_explorer_in_the_language_of_the_page(site: Path, opened: Open) -> None:
     page = opened(f"{folder_of(site)}/zh/v2.35/commands/set_torque.html", locale="en-US")
     links = page.locator("#site-search li > a:first-child")
@@ -295,7 +308,11 @@ def test_a_pasted_frame_opens_the_explorer_in_the_language_of_the_page(site: Pat
 def test_the_number_of_results(site: Path, opened: Open) -> None:
     page = opened(f"{folder_of(site)}/{COMMAND}")
     page.keyboard.press("/")
-    for query, text in (("0xA1", "1 result"), ("torque", re.compile(r"^\d+ results$"))):
+    for query, text in (
+        ("0xA1", "1 result"),
+        ("A9", "No edition has a command 0xA9."),
+        ("torque", re.compile(r"^\d+ results$")),
+    ):
         page.get_by_role("searchbox").fill(query)
         expect(page.get_by_role("status")).to_have_text(text)
 

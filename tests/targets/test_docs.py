@@ -322,8 +322,8 @@ def test_the_front_page_tells_editions_apart(tmp_path: Path) -> None:
     pages = {output.path: output.text for output in made}
     rows = [line for line in pages["en/index.md"].splitlines() if line.startswith("| [")]
     assert rows == [
-        "| [lamp `v1`](v1/index.md) | `2023-01` | Lamp | `0x100 + node` | `0x11` | |",
-        "| [lamp `v2`](v2/index.md) | `2024-01` | Lamp | `0x180 + node` | `0x12` | [Changes](v2/changes.md) |",
+        "| [lamp `v1`](v1/index.md) | `2023-01` | `0x100 + node` | `0x11` | | Lamp |",
+        "| [lamp `v2`](v2/index.md) | `2024-01` | `0x180 + node` | `0x12` | [Changes](v2/changes.md) | Lamp |",
     ]
     assert "Edition [v1](../index.md) · also in [v2](../../v2/commands/dim.md)\n" in pages["en/v1/commands/dim.md"]
 

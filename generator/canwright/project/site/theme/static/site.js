@@ -19,7 +19,7 @@
 
   const current = document.querySelector(".sidebar-tree .current-page");
   const menu = document.querySelector(".sidebar-scroll");
-  if (current && menu) { menu.scrollTop = current.offsetTop - menu.clientHeight / 3; }
+  if (current && menu) { menu.scrollTop += current.getBoundingClientRect().top - menu.getBoundingClientRect().top - menu.clientHeight / 3; }
 
   // What scrolls sideways can be scrolled with the keyboard.
   for (const wide of document.querySelectorAll("pre, .table-wrapper")) {
