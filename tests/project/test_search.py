@@ -224,6 +224,29 @@ def test_names_of_the_manual_find_their_pages(language: str, tmp_path: Path) -> 
     assert failed == []
 
 
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_a_field_leads_to_its_row(language: str, tmp_path: Path) -> None:
+    """Each row that the search knows is in its page; a row of an entry is that of the entry."""
+    index = json.loads((ROOT / "generated/docs/site.json").read_text("utf-8"))
+    rows = [
+        (ROOT / "generated/docs" / language / edition["folder"] / f"{page}.md", anchor)
+        for edition in index["editions"]
+        for record in edition["records"]
+        if record["kind"] == "field"
+        for page, _, anchor in (place.partition("#") for place in record["pages"])
+    ]
+    assert len(rows) > 400
+    assert [anchor for page, anchor in rows if f'| <a id="{anchor}"></a>`' not in page.read_text("utf-8")] == []
+    (hit, *_), (of_entry, *_) = hits_of(
+        tmp_path, language, {"v2.35": ["angleIncrement"], "v2.36-2024-11": ["input speed limit"]}
+    ).values()
+    assert (hit["page"], hit["anchor"]) == ("v2.35/commands/move_by_angle", "request.increment")
+    assert (of_entry["page"], of_entry["anchor"]) == (
+        "v2.36-2024-11/commands/read_control_parameter",
+        "entries.max_speed.reply.max_speed",
+    )
+
+
 def _spelled(name: str) -> str:
     """An edition has `maxSpeed` and `Max Speed`, which are the same words."""
     return name.lower().replace(" ", "")

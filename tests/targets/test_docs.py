@@ -228,7 +228,7 @@ def test_fields_in_the_id_are_in_table_and_picture(tmp_path: Path) -> None:
     pages = {output.path: output.text for output in DocsTarget().generate([specification(spec)], {})}
     text = pages["en/v1/commands/set.md"]
     assert "| `id bits 0..7` |  | `u8`<br>`0x21` |" in text
-    assert "| `id bits 12..17` | `part` |" in text
+    assert "`id bits 12..17` | `part` |" in text
     assert "command code; also accepted `0x23`" in text
     picture = re.findall(r"<text[^>]*>([^<]*)</text>", pages["pictures/v1/set-request.svg"])
     assert picture[8:12] == ["id 28..24", "0", "0", "0"]

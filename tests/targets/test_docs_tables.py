@@ -80,7 +80,7 @@ def test_the_overview_has_the_entries_of_a_table_by_index(pages: dict[str, str])
 def _entry(page: str, name: str) -> str:
     """The section of an entry."""
     _, _, section = page.partition(f'<a id="entries.{name}">')
-    return section.partition('<a id="entries.')[0]
+    return section.partition("\n## ")[0]
 
 
 def test_a_page_of_a_table_command_has_the_notes_of_table_entry_and_command(pages: dict[str, str]) -> None:

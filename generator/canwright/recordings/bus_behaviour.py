@@ -23,12 +23,12 @@ class Behaviour(NamedTuple):
     """The behaviour on a bus.
 
     `is_marked` if marks distinguish requests and replies, but for the nodes that are `unmarked`: their frames are only
-    received, as of another host. `copied` are the directions in which each frame is recorded
-    twice. `reply_time` is the time in ns within which nine of ten replies come, None if unknown. `old_bits` are requests
-    of a host that leaves old bytes in its transmit buffer. `only` is the direction of all frames, if the log lacks those of
-    the other. `resolution` is that of the times in ns, by which a latency is uncertain. `repeated_after` is the time in ns
-    after which each frame is recorded again, as by a second recorder; None if it is not. `slowest` is the longest time of
-    a reply beyond the window, in a log with too few replies to learn from; None with more.
+    received, as of another host. `copied` are the directions in which each frame is recorded twice. `reply_time` is the
+    time in ns within which nine of ten replies come, None if unknown. `old_bits` are requests of a host that leaves old
+    bytes in its transmit buffer. `only` is the direction of all frames, if the log lacks those of the other. `resolution`
+    is that of the times in ns, by which a latency is uncertain. `repeated_after` is the time in ns after which each frame
+    is recorded again, as by a second recorder; None if it is not. `slowest` is the longest time of a reply beyond the
+    window, in a log with too few replies to learn from; None with more.
     """
 
     is_marked: bool = False

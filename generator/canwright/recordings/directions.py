@@ -237,8 +237,8 @@ class Directions:
 
     `editions` are the editions of the nodes by bus and node, `default` that of all others. A request is answered within
     `window` ns; None for the time that suits the editions and the log. `recorder` is the direction of the frames that are
-    marked as sent; None if marks do not count. `behaviours` are those of the buses; None if the first frames of the log show them. If the log
-    `is_stream`, no frame waits for these: what they show counts for later frames. `first` is the
+    marked as sent; None if marks do not count. `behaviours` are those of the buses; None if the first frames of the log
+    show them. If the log `is_stream`, no frame waits for these: what they show counts for later frames. `first` is the
     number of the first frame. Before the frames with the numbers of `changes`, nodes get other editions, which are among
     `further`.
     """

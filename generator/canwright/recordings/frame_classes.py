@@ -155,8 +155,9 @@ class FrameClass:
 class DirectionRule:
     """How the directions of the frames of a class are decided on a bus of some behaviour.
 
-    `only` is the direction of all frames with this id, and that of all frames of the log if it is `by_log`. `window` is the
-    time in ns within which the request is answered, `bus_window` that of other requests. If `has_old_bits`, its reserved bits can have any value.
+    `only` is the direction of all frames with this id, and that of all frames of the log if it is `by_log`. `window` is
+    the time in ns within which the request is answered, `bus_window` that of other requests. If `has_old_bits`, its
+    reserved bits can have any value.
     """
 
     def __init__(self, frame_class: FrameClass, behaviour: Behaviour, window: int | None) -> None:

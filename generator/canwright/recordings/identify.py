@@ -61,8 +61,9 @@ class _IdState:
 class Identifier:
     """Identifies the editions of the nodes of a log, frame by frame. Memory does not grow with the log.
 
-    `recorder` is the direction of the frames that the log marks as sent; received ones have the other direction; None if marks do not count. They count
-    on a bus that has both kinds of one node, but not of a node to which nothing is sent: another host asks it.
+    `recorder` is the direction of the frames that the log marks as sent; received ones have the other direction; None if
+    marks do not count. Marks count on a bus that has both kinds of one node, but not for a node to which nothing is
+    sent: another host asks it.
     """
 
     def __init__(self, editions: Sequence[Edition], recorder: Direction | None = Direction.REQUEST) -> None:

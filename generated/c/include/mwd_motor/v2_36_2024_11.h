@@ -92,7 +92,7 @@ typedef struct {
  * ----------------------------------------------------------------------------------------------------------------- */
 
 /**
- * @name One motor (page 5)
+ * @name One motor (p. 5)
  *
  * Each drive on a bus needs an id of its own. The bus load limits the number of drives to 32 or fewer.
  * @{

@@ -92,7 +92,7 @@ typedef struct {
  * ----------------------------------------------------------------------------------------------------------------- */
 
 /**
- * @name One motor (page 5)
+ * @name One motor (p. 5)
  *
  * Each drive on a bus needs an id of its own. The bus load limits the number of drives to 32 or fewer.
  * @{
@@ -5108,8 +5108,8 @@ static inline canwright_status_t mwd_motor_v2_36_2025_03_read_encoder_reply_deco
  * motion commands; not while it is off. A motor that is off executes no commands. Keep clear of the motor in any
  * case.
  *
- * Erratum (page 5, 21): All replies are specified within 0.25 ms, but this reply follows a movement of some seconds.
- * No figure is given. Used here: 10 s for this command, an assumption, and 0.25 ms for all others. This command is an
+ * Erratum (p. 5, 21): All replies are specified within 0.25 ms, but this reply follows a movement of some seconds. No
+ * figure is given. Used here: 10 s for this command, an assumption, and 0.25 ms for all others. This command is an
  * exception. 10 s is well above some seconds; use a separate timeout for it.
  * @{
  */

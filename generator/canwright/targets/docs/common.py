@@ -17,6 +17,7 @@ from ...templating.markup import code, markdown
 from ..base import WorkedExchange
 from ..examples import Examples
 from ..registry import own_targets, targets
+from .editions import affecting
 from .links import explorer_link
 from .picture import Drawing, Drawings
 from .tables import code_of, index
@@ -152,6 +153,7 @@ class Common:
         self._examples = Examples(edition, golden)
         self._modes: Mapping[str | None, Mode] = {mode.name: mode for mode in edition.bus.modes}
         self._since: dict[Edition, Sequence[Change]] = {}
+        self._affecting: dict[Edition, Mapping[str, Sequence[Change]]] = {}
         self.sheets = list(self._sheets())
 
     def since(self, old: Edition) -> Sequence[Change]:
@@ -159,6 +161,14 @@ class Common:
         if old not in self._since:
             self._since[old] = compare(old, self.edition, own_targets())
         return self._since[old]
+
+    def affecting(self, old: Edition) -> Mapping[str, Sequence[Change]]:
+        """The changes since an older edition that affect each command, by its name in the spec."""
+        if old not in self._affecting:
+            self._affecting[old] = {
+                name: affecting(self.since(old), commands) for name, commands in self.edition.groups.items()
+            }
+        return self._affecting[old]
 
     def _sheets(self) -> Iterator[Sheet]:
         groups = list(self.edition.groups.values())

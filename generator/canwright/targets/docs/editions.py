@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from typing import Literal, NamedTuple
 
 from ...compare import Category, Change, Impact
@@ -146,7 +146,7 @@ def _change_line(change: Change, language: str, labels: Mapping[str, str], wordi
     )
 
 
-def _affecting(differences: Sequence[Change], commands: Sequence[Command]) -> list[Change]:
+def affecting(differences: Sequence[Change], commands: Sequence[Command]) -> list[Change]:
     """The changes that affect the forms of a command, other than those of texts.
 
     They are those of the command, of the one whose place it takes, and of its addresses and parameters.
@@ -168,15 +168,6 @@ def _affecting(differences: Sequence[Change], commands: Sequence[Command]) -> li
     ]
 
 
-def changed_commands(edition: Edition, differences: Sequence[Change]) -> frozenset[str]:
-    """The names in the spec of the commands that differ from those of an older edition; new ones do not."""
-    return frozenset(
-        name
-        for name, commands in edition.groups.items()
-        if any(change.rule.id != "command-added" for change in _affecting(differences, commands))
-    )
-
-
 class Changed(NamedTuple):
     """Changes of one command since the previous edition, in Markdown; and the number of further ones."""
 
@@ -190,16 +181,11 @@ MAX_CHANGES = 8
 
 
 def changed(
-    old: Edition,
-    differences: Sequence[Change],
-    commands: Sequence[Command],
-    language: str,
-    labels: Mapping[str, str],
-    wording: Wording,
+    old: Edition, changes: Sequence[Change], language: str, labels: Mapping[str, str], wording: Wording
 ) -> Changed:
-    """The changes since `old` that affect the forms of a command, those with the worst impact first."""
+    """The `changes` of a command since `old`, those with the worst impact first."""
     lines = []
-    for change in sorted(_affecting(differences, commands), key=lambda c: list(Impact).index(c.impact)):
+    for change in sorted(changes, key=lambda c: list(Impact).index(c.impact)):
         line = _change_line(change, language, labels, wording)
         verdict = labels[f"verdict_{change.impact.value}"]
         lines.append(f"**{verdict}** {line.what}{labels['colon']}{line.change}")
@@ -223,7 +209,7 @@ def support(
     editions: Sequence[tuple[str, Edition]],
     labels: Mapping[str, str],
     language: str,
-    changed: Mapping[Edition, frozenset[str]],
+    changed: Mapping[Edition, Set[str]],
 ) -> Iterator[Support]:
     """A table for each family that has several editions. `editions` come with their folders.
 
@@ -243,7 +229,7 @@ def _commands(
     editions: Sequence[tuple[str, Edition]],
     labels: Mapping[str, str],
     language: str,
-    changed: Mapping[Edition, frozenset[str]],
+    changed: Mapping[Edition, Set[str]],
 ) -> tuple[SupportLine, ...]:
     rows: dict[tuple[bool, int, str], list[str]] = {}
     titles: dict[str, str] = {}

@@ -8,7 +8,8 @@ from urllib.parse import quote, urlencode
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame
-from ...model.message import Command, Message
+from ...model.layout import Field
+from ...model.message import Command, Direction, Message
 
 COMMANDS = "commands/"
 """The folder of the command pages, from the folder of their edition."""
@@ -24,6 +25,11 @@ def command_page(command: Command) -> str:
 def entry_anchor(command: Command) -> str:
     """The anchor of the section of an entry."""
     return f"entries.{command.entry.name}" if command.entry else ""
+
+
+def field_anchor(command: Command, direction: Direction, field: Field) -> str:
+    """The anchor of the row of a field in the page of a command."""
+    return ".".join(filter(None, (entry_anchor(command), direction.value, field.name)))
 
 
 def command_link(edition: Edition, name: str) -> str:

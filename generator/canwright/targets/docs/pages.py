@@ -13,7 +13,7 @@ from ...model.types import ImpliedTitle
 from ...templating.markup import code, markdown
 from . import tables
 from .common import Common, Drawn, Form, Side, Worked, sources
-from .links import COMMANDS, pages_of
+from .links import COMMANDS, entry_anchor, pages_of
 from .tables import Labels, Row
 
 
@@ -126,11 +126,11 @@ class Pages:
 
     def _rows_of_fields(self, command: Command, side: Side) -> Sequence[Row]:
         """Computed once for all commands that show a layout alike."""
-        layout = side.message.layout
-        manual = command.entry.manual if command.entry else ""
-        key = (layout, side.message.has_low_bits_of_node, command.manual, manual, *command.only.items())
+        message = side.message
+        about = (command.manual, entry_anchor(command), *command.only.items())
+        key = (message.layout, message.direction, message.has_low_bits_of_node, *about)
         if key not in self._field_rows:
-            rows = tables.field_rows(side.message, command, self._labels, self._language)
+            rows = tables.field_rows(message, command, self._labels, self._language)
             self._field_rows[key] = tuple(rows)
         return self._field_rows[key]
 

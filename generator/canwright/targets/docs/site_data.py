@@ -16,7 +16,8 @@ from ...model.types import Encoding, Parameter, Type
 from ...templating import resources
 from ...templating.data_files import read_data
 from ...templating.markup import script_text
-from .links import COMMANDS, command_page
+from ..availability import is_available
+from .links import COMMANDS, command_page, field_anchor
 from .questions import question_records
 from .tables import index
 
@@ -157,9 +158,11 @@ def _codes(command: Command) -> Sequence[str]:
     return sorted({formatting.id_rule(m.id) for _, m in _messages([command]) if m.id.nodes is None and not m.id_mask})
 
 
-def _messages(commands: Iterable[Command]) -> Iterator[tuple[Command, Message]]:
+def _messages(
+    commands: Iterable[Command], directions: Iterable[Direction] = Direction
+) -> Iterator[tuple[Command, Message]]:
     for command in commands:
-        for message in (command.message(direction) for direction in Direction):
+        for message in (command.message(direction) for direction in directions):
             if message is not None:
                 yield command, message
 
@@ -187,23 +190,25 @@ def _ids(edition: Edition) -> Iterator[Record]:
 
 
 def _fields(edition: Edition) -> Iterator[Record]:
-    """Fields that differ in name, title or unit, with the pages of all commands that have them; requests first."""
-    by_key: dict[tuple[object, ...], tuple[Field, dict[str, None]]] = {}
+    """Fields that differ in name, title or unit, with their rows in the pages of all commands that have them; requests first."""
+    by_key: dict[tuple[object, ...], tuple[Field, dict[str, str]]] = {}
     for direction in Direction:
-        for command in edition.commands:
-            message = command.message(direction)
-            for field in message.layout.fields if message is not None else ():
+        for command, message in _messages(edition.commands, [direction]):
+            for field in message.layout.fields:
+                if not is_available(message.layout, field, command):
+                    continue
                 unit = field.type.unit
                 key = (field.name, field.manual_name, *field.title.items(), unit.name if unit else "")
-                by_key.setdefault(key, (field, {}))[1][page_of(command)] = None
-    for field, pages in by_key.values():
+                row = f"{COMMANDS}{command.spec_name}#{field_anchor(command, direction, field)}"
+                by_key.setdefault(key, (field, {}))[1].setdefault(page_of(command), row)
+    for field, rows in by_key.values():
         yield {
             "kind": "field",
             "name": field.name,
             "printed": field.manual_name,
             "title": dict(field.title),
             **_quantity(field.type),
-            "pages": list(pages),
+            "pages": list(rows.values()),
         }
 
 

@@ -37,7 +37,7 @@ from ...semantics.frame import sent_id_rule
 from ...semantics.plan import message_plan
 from ...templating.markup import code, markdown
 from ..availability import is_available, values_of
-from .links import command_link
+from .links import command_link, field_anchor
 
 Labels = Mapping[str, str]
 _FORM_LABELS = {EchoReply: "echo", OwnReply: "own", SharedReply: "layout", OtherReply: "other"}
@@ -107,9 +107,13 @@ def field_rows(message: Message, command: Command, labels: Labels, language: str
             )
             link = f"[%s](../types.md#types.{field.type.name})" if field.type.path[0] == "types" else "%s"
             only = code(f"{layout.parameter} {', '.join(field.only)}") if field.only else ""
+            anchor = f'<a id="{field_anchor(command, message.direction, field)}"></a>'
             for place in formatting.field_places(field):
                 formats = "<br>".join(filter(None, (code(place.raw), raw)))
-                yield Row(code(place.position), link % code(place.name), formats, resolution, values, only, what)
+                yield Row(
+                    anchor + code(place.position), link % code(place.name), formats, resolution, values, only, what
+                )
+                anchor = ""
 
 
 def description(thing: Titled, labels: Labels, language: str) -> str:

@@ -125,7 +125,11 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
     only_editions = [edition for _, edition in book.listed]
     older = {edition: editions.previous(edition, only_editions) for edition in only_editions}
     changed = {
-        edition: editions.changed_commands(edition, commons[edition].since(old))
+        edition: {
+            name
+            for name, changes in commons[edition].affecting(old).items()
+            if any(change.rule.id != "command-added" for change in changes)
+        }
         for edition, old in older.items()
         if old
     }
@@ -192,8 +196,9 @@ def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) 
         )
     template = env.get_template("command.md.j2")
     for sheet in common.sheets:
-        commands = [form.command for form in sheet.forms]
-        changed = old and editions.changed(old, common.since(old), commands, book.language, book.labels, book.wording)
+        changed = old and editions.changed(
+            old, common.affecting(old)[sheet.name], book.language, book.labels, book.wording
+        )
         page = template.render({**view, **sheet.view, "sheet": sheet, "forms": sheet.forms, "changed": changed})
         yield Output(f"{folder}/{COMMANDS}{sheet.name}.md", page)
     if old is not None:

@@ -40,6 +40,8 @@ const EXACT = 10;
 const SYNONYM = 0.85;
 /** For a page whose items contain the terms, each another one. */
 const SCATTERED = 0.85;
+/** For an item that has the words of the query side by side. */
+const PHRASE = 1.1;
 /** Of a query with typos, how many corrections are compared. */
 const SPELLINGS = 6;
 /** Weight of a word that is in many questions, beside 1 and more for the others. */
@@ -97,9 +99,8 @@ function distance(word, other, most) {
   return last[other.length];
 }
 
-/** Bytes side by side, which no number looks like. */
-const PAIR = /(?:\b(?:0?x)?[0-9a-f]{2}h?(?:[^\w\u3000-\u9fff]{1,3}|$)){2}/iu;
-const TRIPLE = /(?:\b(?:0?x)?[0-9a-f]{2}h?(?:[^\w\u3000-\u9fff]{1,3}|$)){3}/iu;
+/** Two or three bytes side by side, which no number looks like. */
+const [PAIR, TRIPLE] = [2, 3].map(count => new RegExp(`(?:\\b(?:0?x)?[0-9a-f]{2}h?(?:[^\\w\\u3000-\\u9fff]{1,3}|$)){${count}}`, "iu"));
 
 /** The frame that a query is, in any notation that the frame explorer reads; null for a query that can be words or numbers. */
 function pastedFrame(text) {
@@ -330,6 +331,7 @@ function createSearch(index, language) {
     const text = normalized(asked);
     const { parts, values } = matched(query);
     const content = parts.map(({ word }) => word).filter(word => !stops.has(word)).join(" ").replace(BETWEEN_CHINESE, "");
+    const hasPhrase = item => parts.length > 1 && item.texts.some(of => ` ${of} `.includes(CHINESE.test(content) ? content : ` ${content} `));
     const pages = [...documents.values()];
     const ofPage = pages.map(page => parts.map((_, i) => Math.max(...page.items.map(item => values.get(item)[i]))));
     const weights = parts.map(({ word }, i) => {
@@ -343,7 +345,7 @@ function createSearch(index, language) {
       return of.reduce((total, value, i) => total + weights[i] * value, 0) / sum * (0.7 + 0.3 * share);
     };
     return pages.map((found, n) => {
-      const of = found.items.map(item => ({ item, score: [query, text, content].map(each => whole(item, each, asked)).find(Boolean) ?? mean(values.get(item)) }));
+      const of = found.items.map(item => ({ item, score: [query, text, content].map(each => whole(item, each, asked)).find(Boolean) ?? mean(values.get(item)) * (hasPhrase(item) ? PHRASE : 1) }));
       const best = of.reduce((one, two) => two.score > one.score ? two : one);
       return { found, item: ofId(best.item, query) ?? best.item, score: Math.max(best.score, SCATTERED * mean(ofPage[n])) };
     });
@@ -398,7 +400,7 @@ function createSearch(index, language) {
       const top = Math.max(...hits.map(hit => hit.score));
       const good = hits.filter(hit => hit.score >= top * 0.9);
       const best = good.find(isCurrent) ?? good.find(hit => hit.found.folder === newest) ?? good.at(-1);
-      return { best, hits, top, level: Math.floor(Math.min(top, EXACT) * 5), current: preferred !== "" && isCurrent(best) };
+      return { best, hits, top, level: Math.floor(Math.min(top, EXACT) * 5), current: asked.includes(best.found.folder) || (preferred !== "" && isCurrent(best)) };
     });
     ranked.sort((a, b) => b.level - a.level || b.current - a.current || b.top - a.top || a.best.found.order - b.best.found.order);
     return ranked.map(({ best, hits }) => shown(best, hits, texts));
