@@ -146,40 +146,33 @@ def _functions(folder: Path) -> Iterator[Measure]:
 def _values(folder: Path) -> Iterator[Measure]:
     """Flash of a program for values in floating point, with the functions of the compiler's library that it calls."""
     for value, bar in (("float", 1.05), ("double", 1.1)):
-        size, by_hand = (_linked(folder, f"-DVALUE={value}", *defines) for defines in ((), ("-DBY_HAND",)))
-        yield _relative(f"flash of replies to {value}, Cortex-M4F, gcc", size, by_hand, "bytes", bar)
+        for compiler in ("gcc", "clang"):
+            size, by_hand = (_linked(folder, compiler, f"-DVALUE={value}", *more) for more in ((), ("-DBY_HAND",)))
+            yield _relative(f"flash of replies to {value}, Cortex-M4F, {compiler}", size, by_hand, "bytes", bar)
 
 
-def _linked(folder: Path, *defines: str) -> int:
-    program = folder / "values.elf"
-    flags = ("-Os", *ARM["Cortex-M4F"][0], *ARM_GCC, "-nostdlib", "-Wl,-e,receive_cycle", "-Wl,--gc-sections")
-    include = f"-I{folder / 'include'}"
-    run(
-        *(tool("arm-none-eabi-gcc"), "-std=c99", *flags, *defines, include),
-        *(HERE / "c_replies.c", "-lgcc", "-o", program),
-    )
+def _linked(folder: Path, compiler: str, *defines: str) -> int:
+    """Bytes of flash of a whole program, with the library of GCC."""
+    unit, program = _compiled(folder, "Cortex-M4F", compiler, "c_replies.c", *defines), folder / "values.elf"
+    flags = (*ARM["Cortex-M4F"][0], *ARM_GCC, "-nostdlib", "-Wl,-e,receive_cycle", "-Wl,--gc-sections")
+    run(tool("arm-none-eabi-gcc"), *flags, unit, "-lgcc", "-o", program)
     return flash(program.read_bytes())
 
 
 def _flash(folder: Path, processor: str, compiler: str, source: str, *defines: str) -> int:
     """Bytes of flash with -Os."""
-    unit = folder / "unit.o"
-    flags: tuple[str | Path, ...] = (
-        *WARNINGS,
-        "-Os",
-        *defines,
-        f"-I{folder / 'include'}",
-        "-c",
-        HERE / source,
-        "-o",
-        unit,
-    )
-    gcc, clang = ARM[processor]
+    return flash(_compiled(folder, processor, compiler, source, *WARNINGS, *defines).read_bytes())
+
+
+def _compiled(folder: Path, processor: str, compiler: str, source: str, *flags: str) -> Path:
+    """The object file of a program with -Os."""
+    unit, (gcc, clang) = folder / "unit.o", ARM[processor]
+    arguments: tuple[str | Path, ...] = (*flags, "-Os", f"-I{folder / 'include'}", "-c", HERE / source, "-o", unit)
     if compiler == "gcc":
-        run(tool("arm-none-eabi-gcc"), "-std=c99", *gcc, *ARM_GCC, *flags)
-    else:
-        ZIG.run("c99", *clang, *flags, "-fno-sanitize=all")  # its trap, which is for tests, is code
-    return flash(unit.read_bytes())
+        run(tool("arm-none-eabi-gcc"), "-std=c99", *gcc, *ARM_GCC, *arguments)
+    else:  # without the trap of zig, which is for tests, and without tables that are not in flash
+        ZIG.run("c99", *clang, "-fno-unwind-tables", "-fno-asynchronous-unwind-tables", *arguments, "-fno-sanitize=all")
+    return unit
 
 
 def flash(elf: bytes) -> int:

@@ -264,9 +264,9 @@ class MessagePlan:
         return MaskedBits((1 << 8 * self.message.dlc) - 1 & ~data_bits(used), value)
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=1 << 14)
 def message_plan(message: Message) -> MessagePlan:
-    """The plan of a message; cached, because every frame asks for it."""
+    """The plan of a message; cached, because every frame asks for it. There is room for the messages of any edition."""
     return MessagePlan(
         message=message,
         keys=tuple(_accepted(message, number) for number in range(len(message.keys))),

@@ -232,12 +232,13 @@ def layouts(edition: Edition) -> list[Layout]:
 def problems(edition: Edition) -> Iterator[NameProblem]:
     """Different items of an edition that would have one name in C, and names that a compiler may take for one."""
     owners: dict[str, tuple[str, DocumentPath]] = {}
-    for name, what, path in defined(edition):
+    names = list(defined(edition))
+    for name, what, path in names:
         owner, at = owners.setdefault(name, (what, path))
         if owner != what:
             text = f"{what} and {owner} would both be `{name}` in C"
             yield NameProblem(path, text, "rename one of them", other=(at, owner) if at else None)
-    yield from _long_names(edition)
+    yield from _long_names(names)
     for layout in layouts(edition):
         fields: dict[str, Field] = {}
         for field in layout.fields:
@@ -248,11 +249,11 @@ def problems(edition: Edition) -> Iterator[NameProblem]:
                 yield NameProblem(field.path, text, "rename one of them", other=(owner_field.path, owner))
 
 
-def _long_names(edition: Edition) -> Iterator[NameProblem]:
+def _long_names(names: Iterable[tuple[str, str, DocumentPath]]) -> Iterator[NameProblem]:
     """The first name of each path that starts like another name: C compilers need not distinguish more characters."""
     owners: dict[str, str] = {}
     reported: set[DocumentPath] = set()
-    for name, what, path in defined(edition):
+    for name, what, path in names:
         owner = owners.setdefault(name[:SIGNIFICANT], name)
         if owner != name and path not in reported:
             reported.add(path)

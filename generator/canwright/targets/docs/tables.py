@@ -280,13 +280,18 @@ def _form_label(command: Command) -> str:
     return _FORM_LABELS[type(command.replies[0])] if command.replies else "none"
 
 
+@functools.lru_cache(maxsize=1 << 8)
+def _repliers(edition: Edition, layout: Layout) -> Sequence[Command]:
+    """The commands of the replies with a layout."""
+    return [edition.command(m.command) for m in edition.of_layout(layout) if m.direction is Direction.REPLY]
+
+
 def _sharers(edition: Edition, layout: Layout, command: Command, labels: Labels) -> str:
     """Which other replies have a layout: those of `0x9C`, `0xA0` to `0xA8`, by name where a code is not enough."""
     names: dict[str, None] = {}
     codes: set[int] = set()
-    for message in edition.of_layout(layout):
-        sharer = edition.command(message.command)
-        if sharer is command or message.direction is Direction.REQUEST:
+    for sharer in _repliers(edition, layout):
+        if sharer is command:
             continue
         if sharer.code is None or sharer.entry:
             names[sharer.name] = None

@@ -310,36 +310,31 @@ static inline canwright_status_t canwright_unsigned64_from_double(
 /** `dividend / divisor`, rounded once; `divisor` is from 1 to 2^63. */
 static inline double canwright_quotient_unsigned(uint64_t dividend, uint64_t divisor)
 {
-    const uint64_t exact = UINT64_C(1) << 53; /* integers up to this one are doubles */
     uint64_t bits = dividend;
     uint64_t whole = 0u;
     uint64_t rest = 0u;
-    double unit = 1.0;
-    unsigned left = 64u;
-    if ((dividend <= exact) && (divisor <= exact)) {
+    unsigned steps;
+    if (((dividend | divisor) >> 53) == 0u) { /* both are doubles */
         return (double)dividend / (double)divisor;
     }
-    /* Bit by bit: a small processor has no division of 64 bits, and few raw integers are so large. */
-    while ((left != 0u) || (((whole >> 54) == 0u) && (rest != 0u))) { /* 55 bits decide, with one that stands for all below */
+    /* Bit by bit: a small processor has no division of 64 bits, and few raw integers are so large. 55 bits decide, with one
+       that stands for all below. */
+    for (steps = 0u; (steps < 64u) || (((whole >> 54) == 0u) && (rest != 0u)); steps++) {
         rest = (rest << 1) | (bits >> 63);
         bits <<= 1;
         whole = (whole << 1) | ((rest >= divisor) ? 1u : 0u);
         rest -= (rest >= divisor) ? divisor : 0u;
-        if (left != 0u) {
-            left--;
-        } else {
-            unit *= 0.5;
-        }
     }
     whole |= (rest != 0u) ? 1u : 0u;
-    return (double)whole * unit;
+    return (double)whole * canwright_double_of_bits((uint64_t)(1023u + 64u - steps) << 52); /* 2^(64 - steps) */
 }
 
 /** The same for a signed dividend. */
 static inline double canwright_quotient_signed(int64_t dividend, uint64_t divisor)
 {
-    return (dividend < 0) ? -canwright_quotient_unsigned(0u - (uint64_t)dividend, divisor)
-                          : canwright_quotient_unsigned((uint64_t)dividend, divisor);
+    const uint64_t size = (dividend < 0) ? (0u - (uint64_t)dividend) : (uint64_t)dividend;
+    const double quotient = canwright_quotient_unsigned(size, divisor);
+    return (dividend < 0) ? -quotient : quotient;
 }
 
 /** The bits of the 64-bit number `steps`, which was computed from `value`. */
