@@ -141,12 +141,36 @@ def test_frames_are_typed_and_values_entered(page_of_motors: Path, opened: Open)
     assert page.locator("#bytes").inner_text() == "A1 00 00 00 FF FF 00 00"
     page.get_by_label("Value of iq", exact=True).fill("1e9")
     page.get_by_label("Value of iq", exact=True).press("Enter")
-    assert page.locator("#field-problem").inner_text() == "iq: outside the range"
+    assert "iq: outside the range (" in page.locator("#field-problem").inner_text()
     assert "frame=141%23A1000000FFFF0000" in page.url and "parameter.series=MG" in page.url
     box.fill("nonsense")
     assert "no CAN frame" in page.locator("#problem").inner_text()
     box.fill("7FF#00")
     assert "No message has this id" in page.locator("#problem").inner_text()
+
+
+def test_a_value_out_of_range_has_no_code(page_of_motors: Path, opened: Open) -> None:
+    """Nothing is copied while a field shows a value that is not in the frame; the problem states the limits."""
+    page = opened(page_of_motors, "#frame=141%23A100000064000000&edition=v2.35&direction=request&parameter.series=MF")
+    ampere = page.get_by_label("Value of iq", exact=True)
+    for value, reason in (("40", "outside the range (-16.5..16.5 A · raw -2048..2048)"), ("x", "not a number")):
+        ampere.fill(value)
+        ampere.press("Enter")
+        problem = page.locator("#field-problem").inner_text()
+        assert problem == f"iq: {reason}. There is no frame with this value."
+        assert ampere.get_attribute("aria-invalid") == "true"
+        assert page.locator("[data-copy]:visible, pre:visible").count() == 0
+    page.get_by_role("button", name="中文").click()
+    assert page.locator("#cansend").inner_text() == "cansend can0 141#A100000064000000"
+    assert page.locator("#field-problem").inner_text() == ""
+    page.get_by_role("button", name="English").click()
+    ampere.fill("16.5")
+    ampere.press("Enter")
+    assert page.locator("#bytes").inner_text() == "A1 00 00 00 00 08 00 00"
+    page.get_by_label("Motor series").select_option("")
+    page.get_by_label("Raw integer of iq").fill("3000")
+    page.get_by_label("Raw integer of iq").press("Enter")
+    assert "(raw -2048..2048)" in page.locator("#field-problem").inner_text()
 
 
 REASONS = {
@@ -192,6 +216,7 @@ def test_no_series_is_assumed(page_of_motors: Path, opened: Open) -> None:
         == page.locator("#python").inner_text()
         == "depends on Motor series: set it above"
     )
+    assert page.locator("[data-copy]:disabled").evaluate_all("all => all.map(b => b.dataset.copy)") == ["c", "python"]
     page.get_by_label("Raw integer of iq").fill("310")
     page.get_by_label("Raw integer of iq").press("Enter")
     assert page.get_by_label("Frame, or bytes").input_value() == "141#A1323601F4010080"
@@ -217,7 +242,8 @@ def test_a_message_is_composed(page_of_motors: Path, opened: Open) -> None:
     assert "_encode(&frame, 7u, &message)" in page.locator("#c").inner_text()
     page.get_by_label("Node", exact=True).fill("33")
     page.get_by_label("Node", exact=True).press("Enter")
-    assert page.locator("#field-problem").inner_text() == "node: no such node"
+    assert page.locator("#field-problem").inner_text().startswith("node: no such node (1..32).")
+    assert not page.locator("#cansend").is_visible()
 
 
 def test_it_works_below_a_sub_path(page_of_motors: Path, opened: Open) -> None:
@@ -367,13 +393,13 @@ def test_it_is_accessible_and_fits_a_phone(language: str, scheme: Any, page_of_m
 
 
 def test_the_code_is_copied(page_of_motors: Path, opened: Open) -> None:
-    page = opened(page_of_motors, TORQUE)
+    page = opened(page_of_motors, TORQUE.replace("0080&", "0040&"))
     page.locator("[data-copy=cansend]").click()
     assert page.locator("#copied").inner_text() == "Copied"
     page.get_by_label("Frame, or bytes").focus()
     page.keyboard.press("Control+A")
     page.keyboard.press("Control+V")
-    assert page.get_by_label("Frame, or bytes").input_value() == "cansend can0 141#A1329B00F4010080"
+    assert page.get_by_label("Frame, or bytes").input_value() == "cansend can0 141#A1329B00F4010040"
     for name in ("bytes", "c", "python", "link"):
         page.locator(f"[data-copy={name}]").click()
         assert page.evaluate("getSelection().toString()").strip() == page.locator(f"#{name}").inner_text().strip()

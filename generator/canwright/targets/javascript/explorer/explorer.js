@@ -475,6 +475,8 @@
     const { edition, message, decoded } = chosen;
     at("node-box").hidden = message.nodes === null; // then a field contains the node, or none does
     at("node").value = decoded.node ?? "";
+    at("node").removeAttribute("aria-invalid");
+    at("field-problem").textContent = "";
     const rows = decoded.fields.map((result) => {
       const position = message.fields.findIndex(({ name }) => name === result.name);
       const description = message.fields[position];
@@ -557,7 +559,7 @@
     const isList = isArray && Array.isArray(result.value);
     const input = make("input", { ariaLabel: label, value: [result.value].flat().join(" "), size: 12 });
     const entered = () => (typeof result.value === "string" ? input.value : numbers(input.value, isList, Number));
-    input.addEventListener("change", () => enter(result.name, { value: entered() }));
+    input.addEventListener("change", () => enter(result.name, { value: entered() }, input));
     const { valueName } = result;
     const name = typeof valueName === "string" ? ` (${text(texts.members?.[valueName], valueName)})` : "";
     return make("span", {}, input, (result.unit ? ` ${result.unit}` : "") + name);
@@ -572,7 +574,7 @@
 
   function rawInput(result) {
     const input = make("input", { ariaLabel: say("raw_of", result.name), value: [result.raw].flat().join(" "), size: 12 });
-    input.addEventListener("change", () => enter(result.name, { raw: numbers(input.value, Array.isArray(result.raw), BigInt) }));
+    input.addEventListener("change", () => enter(result.name, { raw: numbers(input.value, Array.isArray(result.raw), BigInt) }, input));
     return input;
   }
 
@@ -588,8 +590,8 @@
     return isArray ? given.trim().split(/[\s,]+/).map(parsed) : parsed(given.trim());
   }
 
-  /** Encodes the message with another value of one field, or for another node, and shows the frame. */
-  function enter(name, { value, raw, node }) {
+  /** Encodes the message with another value of one field, or for another node, and shows the frame; without one, no code is offered. */
+  function enter(name, { value, raw, node }, input) {
     if (!chosen) {
       return; // the address lost its frame, which hides an input that has changed
     }
@@ -597,14 +599,17 @@
     try {
       const changed = value === undefined ? raw : meaning.rawOf(chosen, name, value);
       const frame = meaning.encode(chosen, { node, raw: name === "" ? decoded.raw : { ...decoded.raw, [name]: changed } });
-      at("field-problem").textContent = "";
       Object.assign(state, { edition: meaning.label(edition), direction: decoded.direction, command: decoded.command });
       const focused = document.activeElement?.ariaLabel;
       use(frame);
       [...at("fields").querySelectorAll("input, select")].find((input) => input.ariaLabel === focused)?.focus();
     } catch (error) {
-      const known = canwright.labels[state.lang][error.refusal];
-      at("field-problem").textContent = `${error.field || name || say("node_number")}: ${known ?? say("not_finite")}`;
+      const [limits, raws] = error.values ?? [];
+      const accepted = [limits, raws && `${say("raw")} ${raws}`].filter(Boolean).join(" · ");
+      const reason = canwright.labels[state.lang][error.refusal] ?? say("not_finite");
+      at("field-problem").textContent = say("refused", error.field || name || say("node_number"), reason, accepted && ` (${accepted})`);
+      input?.setAttribute("aria-invalid", "true");
+      at("code").hidden = true;
     }
   }
 
@@ -655,6 +660,7 @@
   // Code
 
   function showCode() {
+    at("code").hidden = false;
     at("link").textContent = location.href;
     at("bytes").textContent = chosen.decoded.frame.data.map((byte) => frames.hex(byte, 2)).join(" ");
     at("cansend").textContent = code.cansend(chosen);
@@ -662,6 +668,7 @@
     const instead = obstacle === "needs" ? needed(chosen.edition, [chosen.variant.parameter]) : obstacle && say(obstacle);
     for (const language of ["c", "python"]) {
       at(language).textContent = instead || code[language](chosen);
+      document.querySelector(`[data-copy="${language}"]`).disabled = instead !== "";
     }
   }
 
@@ -724,7 +731,7 @@
     [...at("file").files].forEach((file) => openLog(file));
     at("file").value = ""; // so that the same file can be opened again
   });
-  at("node").addEventListener("change", () => enter("", { node: Number(at("node").value || NaN) }));
+  at("node").addEventListener("change", () => enter("", { node: Number(at("node").value || NaN) }, at("node")));
   at("log-previous").addEventListener("click", () => turn(-1));
   at("log-next").addEventListener("click", () => turn(1));
   at("bits").addEventListener("keydown", moveInBits);
