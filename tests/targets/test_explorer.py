@@ -452,6 +452,17 @@ def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
     } == {("MS",)}
 
 
+def test_a_mark_decides_among_equally_plausible_meanings(tmp_path: Path) -> None:
+    """Many recorders mark every frame as received; the request turns by 360 degrees, as a reply it is at -29536 degrees per second."""
+    folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
+    lines = ["1 141 Rx d 8 A3 00 00 00 A0 8C 00 00", "0.5 1 141 Tx d 8 A3 00 00 00 A0 8C 00 00", "141#A3000000A08C0000"]
+    answers = interpret(folder, [{"line": line, "parameters": {}, "leading": "v2.35"} for line in lines])
+    for answer in answers:
+        first, second = answer["found"][:2]
+        assert [first["direction"], second["direction"]] == ["request", "reply"]
+        assert [field["value"] for field in first["fields"]] == [360]
+
+
 def test_both_languages_have_the_same_labels() -> None:
     labels = yaml.safe_load((TEMPLATES / "javascript/labels.yaml").read_text("utf-8"))
     assert list(labels) == ["en", "zh"] and list(labels["en"]) == list(labels["zh"])

@@ -338,10 +338,40 @@ def test_a_log_is_listed(page_of_motors: Path, opened: Open, tmp_path: Path) -> 
     page.wait_for_selector("#log-rows tr:nth-child(51)")
     assert page.locator("#log-rows tr").count() == 51
     page.locator("#log-rows button").last.click()
-    assert page.get_by_label("Frame, or bytes").input_value() == "141#9C49640000000000"
+    assert page.get_by_label("Frame, or bytes").input_value() == "141#9C49640000000000 R"
     log.write_bytes(b"LOGG\x90\x00 no text")
     page.locator("#file").set_input_files(log)
     page.wait_for_selector("#log-summary:has-text('canwright decode')")
+
+
+def test_a_row_of_a_log_and_the_list_agree(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:
+    """Also after another message, another edition or a parameter was chosen; a mark decides where both directions fit."""
+    datas = ("8000000000000000", "A3000000A08C0000", "9C33640000000100", "A1329B00F4010080")
+    log = tmp_path / "bus.asc"
+    spaced = (" ".join(data[i : i + 2] for i in range(0, 16, 2)) for data in datas)
+    log.write_text("".join(f"{n}.5 1  141  Rx  d 8 {data}\n" for n, data in enumerate(spaced)), "utf-8")
+    page = opened(page_of_motors)
+    page.locator("#file").set_input_files(log)
+    page.wait_for_selector("#log-rows tr:nth-child(4)")
+
+    def check() -> None:
+        for i in range(4):
+            page.locator("#log-rows button").nth(i).click()
+            title = page.locator("#found [aria-pressed=true] strong").inner_text()
+            direction = page.locator("#found [aria-pressed=true] span").inner_text().split(" · ")[0]
+            assert f"{title} · {direction}" in page.locator("#log-rows tr").nth(i).inner_text()
+            assert page.locator("#found button").first.get_attribute("aria-pressed") == "true"
+
+    check()
+    assert " · reply" in page.locator("#log-rows tr").first.inner_text()
+    for edition in ("v2.36-2025-03", "v2.35"):
+        page.get_by_label("Edition").select_option(edition)
+        page.wait_for_timeout(300)
+        check()
+    page.locator("#found button").last.click()
+    page.get_by_label("Motor series").select_option("MS")
+    page.wait_for_timeout(300)
+    check()
 
 
 def test_a_long_log_is_read_in_parts(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@
   let chosen = null;
   let field = "";
   let log = { frames: [], skipped: 0, start: 0 };
+  let listing = { basis: "" }; // what the rows of the log depend on; another object for each listing
 
   const at = (id) => document.getElementById(id);
 
@@ -132,10 +133,17 @@
     }
   }
 
-  /** Shows a frame that was composed or selected. */
+  /** Shows a frame that was composed. */
   function use(frame) {
     state.frame = frames.format(frame);
     at("frame").value = state.frame;
+    update();
+  }
+
+  /** Shows what a text can mean, the most probable message first. */
+  function take(given) {
+    Object.assign(state, { frame: given, direction: "", command: "" });
+    at("frame").value = given;
     update();
   }
 
@@ -168,7 +176,7 @@
       if (before === 0 && opened.frames.length) {
         await pause();
         if (log === opened) {
-          use(opened.frames[0]);
+          take(frames.withMark(opened.frames[0]));
         }
       }
     }
@@ -180,9 +188,7 @@
     if (lines.length > 1 && lines.some(frames.parsePasted)) {
       openLog(new File([content], say("clipboard")), frames.parsePasted);
     } else {
-      Object.assign(state, { frame: lines.join(" "), direction: "", command: "" });
-      at("frame").value = state.frame;
-      update();
+      take(lines.join(" "));
     }
   }
 
@@ -198,30 +204,38 @@
 
   function showLog() {
     at("log").hidden = !log.name;
+    at("log-rows").replaceChildren();
     if (log.name) {
       showProgress();
       showRows();
     }
   }
 
-  /** Lists the frames of a page in groups, between which the page answers, until another page takes its place. */
+  /** Lists the frames of a page in groups, between which the page answers, until they are listed again. */
   async function showRows() {
     const shown = log.frames.slice(log.start, log.start + PAGE);
-    const rows = make("tbody", { id: "log-rows" });
-    at("log-rows").replaceWith(rows);
+    const current = { basis: basis() };
+    listing = current;
     for (let i = 0; i < shown.length; i += GROUP) {
       await pause();
-      if (!rows.isConnected) {
+      if (listing !== current) {
         return;
       }
-      rows.append(...shown.slice(i, i + GROUP).map(row));
+      const rows = [...at("log-rows").rows].slice(i, i + GROUP);
+      const again = shown.slice(i, i + GROUP).map(row);
+      again.forEach((made, k) => (rows[k] ? rows[k].replaceWith(made) : at("log-rows").append(made)));
     }
+  }
+
+  /** What the most probable message of a frame depends on. */
+  function basis() {
+    return JSON.stringify([state.edition, state.parameters]);
   }
 
   function row(frame) {
     const [best] = meaning.interpret(frame, state.parameters, state.edition);
     const button = make("button", { type: "button" }, frames.format(frame));
-    button.addEventListener("click", () => use(frame));
+    button.addEventListener("click", () => take(frames.withMark(frame)));
     const mark = frame.sent === null ? "" : say(frame.sent ? "sent" : "received");
     const what = best ? `${titleOf(best)} · ${say(best.decoded.direction)}` : say("no_message");
     return make("tr", {}, make("td", {}, frame.time), make("td", {}, mark), make("td", {}, button), make("td", {}, what));
@@ -276,6 +290,9 @@
 
   function show() {
     writeAddress();
+    if (log.frames.length && listing.basis !== basis()) {
+      showRows();
+    }
     showFound();
     showCommands();
     at("chosen").hidden = !chosen;
@@ -707,8 +724,7 @@
   }
 
   at("frame").addEventListener("input", () => {
-    Object.assign(state, { frame: at("frame").value, direction: "", command: "" });
-    update();
+    take(at("frame").value);
   });
   at("frame").addEventListener("paste", (event) => {
     const content = event.clipboardData.getData("text");

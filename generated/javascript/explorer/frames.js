@@ -266,5 +266,10 @@ canwright.frames = (() => {
     return `${hex(id, extended ? 8 : 3)}${data.length > 8 ? "##0" : "#"}${remote ? "R" : data.map((byte) => hex(byte, 2)).join("")}`;
   }
 
-  return { parse, parseLine, parseLines, parsePasted, format, hex };
+  /** A frame with its direction, if that is known, as candump writes it. */
+  function withMark(frame) {
+    return format(frame) + (typeof frame.sent === "boolean" ? (frame.sent ? " T" : " R") : "");
+  }
+
+  return { parse, parseLine, parseLines, parsePasted, format, withMark, hex };
 })();

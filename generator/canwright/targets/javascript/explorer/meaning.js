@@ -224,7 +224,7 @@ canwright.meaning = (() => {
     const differs = deviation(edition, message, decoded, assumed);
     const isAnnounced = edition.texts.commands[command].implemented === false;
     const isOpposite = frame.sent !== undefined && frame.sent !== null && frame.sent !== (direction === "request");
-    const penalty = ({ reserved: 3, range: 2 }[differs] ?? 0) + (isOpposite ? 0.5 : 0);
+    const penalty = { reserved: 3, range: 2 }[differs] ?? 0;
     return {
       edition,
       message,
@@ -233,7 +233,7 @@ canwright.meaning = (() => {
       parameters,
       assumed,
       deviation: isAbsent ? "absent" : differs,
-      rank: [penalty + (isAnnounced ? 4 : 0) + (isAbsent ? 5 : 0), -determined(message, decoded)],
+      rank: [penalty + (isAnnounced ? 4 : 0) + (isAbsent ? 5 : 0), -determined(message, decoded), isOpposite ? 1 : 0], // many recorders mark every frame as received
     };
   }
 
@@ -261,9 +261,8 @@ canwright.meaning = (() => {
     const every = frame.id === null ? ids(parameters).map((id) => ({ ...frame, ...id })) : [frame];
     const interpretations = every.flatMap((each) => interpretationsOf(each, parameters));
     const order = ({ edition }) => (leading === "" || edition === find(leading) ? 0 : 1);
-    return interpretations.sort(
-      (first, second) => order(first) - order(second) || first.rank[0] - second.rank[0] || first.rank[1] - second.rank[1],
-    );
+    const difference = (first, second) => first.rank.map((part, i) => part - second.rank[i]).find((part) => part !== 0) ?? 0;
+    return interpretations.sort((first, second) => order(first) - order(second) || difference(first, second));
   }
 
   function interpretationsOf(frame, parameters) {
