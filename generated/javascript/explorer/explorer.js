@@ -237,7 +237,8 @@
     const button = make("button", { type: "button" }, frames.format(frame));
     button.addEventListener("click", () => take(frames.withMark(frame)));
     const mark = frame.sent === null ? "" : say(frame.sent ? "sent" : "received");
-    const what = best ? `${titleOf(best)} · ${say(best.decoded.direction)}` : say("no_message");
+    const [neighbour] = meaning.neighbours(frame);
+    const what = best ? `${titleOf(best)} · ${say(best.decoded.direction)}` : text(neighbour?.title, say("no_message"));
     return make("tr", {}, make("td", {}, frame.time), make("td", {}, mark), make("td", {}, button), make("td", {}, what));
   }
 
@@ -275,10 +276,15 @@
 
   /** Why no message fits: a line for each reason, with the editions that give it, as the command line does. */
   function reasons(frame) {
-    const listed = frame.id === null ? [] : meaning.reasons(frame, meaning.find(state.edition));
+    const edition = meaning.find(state.edition);
+    const refused = frame.id === null ? [] : meaning.reasons(frame, edition);
+    const whose = meaning.neighbours(frame, edition).map(({ title, labels }) =>
+      say("neighbour", frames.format(frame).split("#")[0], text(title), labels.join(say("listed"))),
+    );
+    const short = frame.extended && frame.id <= 0x7ff ? [say("long_id", `0x${frames.hex(frame.id, 8)}`, frames.format({ ...frame, extended: false }))] : [];
     const given = (value) => [value].flat().join(say("or"));
     const reason = ({ direction, refusal, values, labels }) => say("reason", say(direction), say(refusal, say(direction), ...values.map(given)), labels.join(say("listed")));
-    return [say("no_message"), ...listed.map(reason)].join("\n");
+    return [say("no_message"), ...whose, ...short, ...refused.map(reason)].join("\n");
   }
 
   function select(interpretation) {

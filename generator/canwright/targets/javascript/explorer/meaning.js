@@ -2,12 +2,12 @@
 
 /** What frames can mean, without a page: all messages that fit, in the order of their probability. */
 canwright.meaning = (() => {
-  const editions = canwright.editions.map(({ codec, texts, bindings, pages = {}, answered = {} }) => {
+  const editions = canwright.editions.map(({ codec, texts, bindings, pages = {}, answered = {}, neighbours = [] }) => {
     const messages = new Map(codec.MESSAGES.map((message) => [`${message.direction} ${message.command}`, message]));
     for (const [command, reply] of Object.entries(answered)) {
       messages.set(`reply ${command}`, messages.get(`reply ${reply}`));
     }
-    return { name: texts.edition, family: texts.family, codec, texts, bindings, pages, messages };
+    return { name: texts.edition, family: texts.family, codec, texts, bindings, pages, neighbours, messages };
   });
   editions.sort((first, second) => (second.texts.date ?? "").localeCompare(first.texts.date ?? ""));
   const families = new Set(editions.map(({ family }) => family));
@@ -337,5 +337,19 @@ canwright.meaning = (() => {
     return [...groups.values()];
   }
 
-  return { editions, label, find, parameters, invalid, interpret, reasons, needed, blank, encode, rawOf, timing, page };
+  /** Whose a frame is, as editions state of ids that are not theirs: titles, each with the labels of the editions that have it. */
+  function neighbours({ id, extended }, edition) {
+    const groups = new Map();
+    for (const each of edition ? [edition] : editions) {
+      for (const { first, last, step, title } of each.neighbours) {
+        if (id >= first && id <= last && (id - first) % step === 0 && extended === id > 0x7ff) {
+          const key = JSON.stringify(title);
+          groups.set(key, { title, labels: [...(groups.get(key)?.labels ?? []), label(each)] });
+        }
+      }
+    }
+    return [...groups.values()];
+  }
+
+  return { editions, label, find, parameters, invalid, interpret, reasons, neighbours, needed, blank, encode, rawOf, timing, page };
 })();
