@@ -521,7 +521,7 @@ class Given {
       throw new TypeError(`${this.message.command} needs a node from ${first}..${last}`);
     }
     if (this.node < first || this.node > last) {
-      throw new CodecError("unknown_node", `there is no node ${this.node}; nodes are ${first}..${last}`, "node");
+      throw new CodecError("unknown_node", `there is no node ${this.node}; nodes are ${first}..${last}`, "node", [`${first}..${last}`]);
     }
   }
 

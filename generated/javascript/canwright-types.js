@@ -4,13 +4,17 @@
 
 import { ceil, compare, floatBits, floatOf, floor, nearest, quotient, ratio, rational, rounded, toOdd } from "./canwright-numbers.js";
 
-/** Why a frame or a value is rejected: `refusal` is the reason, `field` the name of the field that caused it. */
+/**
+ * Why a frame or a value is rejected: `refusal` is the reason, `field` the name of the field that caused it, and `values`
+ * are those in the message, for texts in other languages.
+ */
 export class CodecError extends Error {
-  constructor(refusal, message, field) {
+  constructor(refusal, message, field, values = []) {
     super(message);
     this.name = "CodecError";
     this.refusal = refusal;
     this.field = field;
+    this.values = values;
   }
 }
 
@@ -214,7 +218,7 @@ export class FieldType {
 
   /** The raw integer of the name of an enum, of flags as names and integers, or of an integer. */
   ofMembers(value, field) {
-    const unknown = (name) => new CodecError("out_of_range", this.outOfRange(JSON.stringify(name), NO_PARAMETERS, field), field);
+    const unknown = (name) => this.outOfRange(JSON.stringify(name), NO_PARAMETERS, field);
     if (typeof value === "string" && this.members) {
       if (!this.values.has(value)) {
         throw unknown(value);
@@ -246,28 +250,34 @@ export class FieldType {
       throw new CodecError("not_finite", `${field}=${given} is not a finite number`, field);
     }
     if (!this.allows(raw, parameters)) {
-      throw new CodecError("out_of_range", this.outOfRange(given, parameters, field), field);
+      throw this.outOfRange(given, parameters, field);
     }
     return this.integer(raw);
   }
 
-  /** The text of an error: the range in units, and that of raw integers. */
+  /** The error of a value that is not allowed, with what is. */
   outOfRange(given, parameters, field) {
+    const [values, raws] = this.limits(parameters);
+    const range = [values, raws && (values ? `(raw ${raws})` : `raw ${raws}`)].filter(Boolean).join(" ");
+    return new CodecError("out_of_range", `${field}=${given} is ${this.members || this.bits ? "none of" : "out of range"} ${range}`, field, [values, raws]);
+  }
+
+  /** The names of values, or the range with its unit, and the range of raw integers; empty texts for what there is not. */
+  limits(parameters) {
     if (this.members || this.bits) {
-      return `${field}=${given} is none of ${[...(this.members?.values() ?? this.bits.keys())].join(", ")}`;
+      return [[...(this.members?.values() ?? this.bits.keys())].join(", "), ""];
     }
     const [low, high] = this.bounds(parameters);
     if (this.isFloat) {
       const ends = [low ? quotient(...low) : -Infinity, high ? quotient(...high) : Infinity];
-      return `${field}=${given} is out of range ${ends.join("..")}${this.suffix}`;
+      return [`${ends.join("..")}${this.suffix}`, ""];
     }
     const least = low ? ceil(low) : this.low;
     const most = high ? floor(high) : this.high;
     const raws = [least < this.low ? this.low : least, most > this.high ? this.high : most];
     const values = raws.map((raw) => this.value(this.integer(raw), parameters));
     const ends = values[0] > values[1] ? values.reverse() : values;
-    const range = `raw ${raws.join("..")}`;
-    return `${field}=${given} is out of range ${ends.includes(null) ? range : `${ends.join("..")}${this.suffix} (${range})`}`;
+    return [ends.includes(null) ? "" : `${ends.join("..")}${this.suffix}`, raws.join("..")];
   }
 
   /** The unit behind a number. */

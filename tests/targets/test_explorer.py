@@ -359,6 +359,14 @@ PASTED = {
     "data: [161, 0, 16], id: 321": "141#A10010",
     "<0x141> [2] A1 00": "141#A100",
     "0x141 -> A1 00 10": "141#A10010",
+    "0x141, 0xA2, 0, 0, 0, 0x28, 0x23, 0, 0": "141#A200000028230000",
+    "0x141, 0xA2, 0, 0, 0, 0x28, 0x23, 0x00, 0x00": "141#A200000028230000",
+    "0x141 0xA2 0x0 0x0 0x0 0x28 0x23 0x0 0x0": "141#A200000028230000",
+    "A1 0 0 0 64 0 0 0": "-#A100000064000000",
+    "141 A1 0 0 0 64 0 0 0": "141#A100000064000000",
+    "0xA1, 0, 0, 0, 0x64, 0, 0, 0": "-#A100000064000000",
+    "141;A1;0;0;0;64;0;0;0": "141#A100000064000000",
+    "0x141;8;A1;0;0;0;64;0;0;0": "141#A100000064000000",
 }
 PROBLEMS = {
     "141": ["no_frame"],
@@ -372,6 +380,9 @@ PROBLEMS = {
     "141 9C 0": ["half_byte", 8, "0"],
     "141#9C0": ["half_byte", 7, "0"],
     "A10": ["no_frame"],
+    "88 0 0 0 64 0 0 0": ["half_byte", 17, "0"],  # 88 can be decimal
+    "0x141, 0xA2, 0, 0, 0, 28, 23, 0, 0": ["half_byte", 34, "0"],
+    "0x141 2 A1 0 0": ["half_byte", 14, "0"],
     "A1000": ["half_byte", 5, "0"],
     "  FFF#00": ["bad_id", 3, "FFF"],
     "FFF 00": ["bad_id", 1, "FFF"],
@@ -450,6 +461,17 @@ def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
     assert {
         tuple(candidate["series"] or ()) for candidate in answers[3]["found"] if candidate["direction"] == "reply"
     } == {("MS",)}
+
+
+def test_a_mark_decides_among_equally_plausible_meanings(tmp_path: Path) -> None:
+    """Many recorders mark every frame as received; the request turns by 360 degrees, as a reply it is at -29536 degrees per second."""
+    folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
+    lines = ["1 141 Rx d 8 A3 00 00 00 A0 8C 00 00", "0.5 1 141 Tx d 8 A3 00 00 00 A0 8C 00 00", "141#A3000000A08C0000"]
+    answers = interpret(folder, [{"line": line, "parameters": {}, "leading": "v2.35"} for line in lines])
+    for answer in answers:
+        first, second = answer["found"][:2]
+        assert [first["direction"], second["direction"]] == ["request", "reply"]
+        assert [field["value"] for field in first["fields"]] == [360]
 
 
 def test_both_languages_have_the_same_labels() -> None:

@@ -141,12 +141,36 @@ def test_frames_are_typed_and_values_entered(page_of_motors: Path, opened: Open)
     assert page.locator("#bytes").inner_text() == "A1 00 00 00 FF FF 00 00"
     page.get_by_label("Value of iq", exact=True).fill("1e9")
     page.get_by_label("Value of iq", exact=True).press("Enter")
-    assert page.locator("#field-problem").inner_text() == "iq: outside the range"
+    assert "iq: outside the range (" in page.locator("#field-problem").inner_text()
     assert "frame=141%23A1000000FFFF0000" in page.url and "parameter.series=MG" in page.url
     box.fill("nonsense")
     assert "no CAN frame" in page.locator("#problem").inner_text()
     box.fill("7FF#00")
     assert "No message has this id" in page.locator("#problem").inner_text()
+
+
+def test_a_value_out_of_range_has_no_code(page_of_motors: Path, opened: Open) -> None:
+    """Nothing is copied while a field shows a value that is not in the frame; the problem states the limits."""
+    page = opened(page_of_motors, "#frame=141%23A100000064000000&edition=v2.35&direction=request&parameter.series=MF")
+    ampere = page.get_by_label("Value of iq", exact=True)
+    for value, reason in (("40", "outside the range (-16.5..16.5 A · raw -2048..2048)"), ("x", "not a number")):
+        ampere.fill(value)
+        ampere.press("Enter")
+        problem = page.locator("#field-problem").inner_text()
+        assert problem == f"iq: {reason}. There is no frame with this value."
+        assert ampere.get_attribute("aria-invalid") == "true"
+        assert page.locator("[data-copy]:visible, pre:visible").count() == 0
+    page.get_by_role("button", name="中文").click()
+    assert page.locator("#cansend").inner_text() == "cansend can0 141#A100000064000000"
+    assert page.locator("#field-problem").inner_text() == ""
+    page.get_by_role("button", name="English").click()
+    ampere.fill("16.5")
+    ampere.press("Enter")
+    assert page.locator("#bytes").inner_text() == "A1 00 00 00 00 08 00 00"
+    page.get_by_label("Motor series").select_option("")
+    page.get_by_label("Raw integer of iq").fill("3000")
+    page.get_by_label("Raw integer of iq").press("Enter")
+    assert "(raw -2048..2048)" in page.locator("#field-problem").inner_text()
 
 
 REASONS = {
@@ -172,6 +196,30 @@ def test_reasons_are_in_the_language_of_the_page(page_of_motors: Path, opened: O
             assert reason in page.locator("#problem").inner_text()
 
 
+def test_a_frame_of_no_message_says_whose_it_is_and_how_its_id_was_read(page_of_motors: Path, opened: Open) -> None:
+    page = opened(page_of_motors)
+    item = specification(SPECS[0])
+    other = next(n for n in item.edition.bus.neighbours if 0x241 in n.ids)
+    for language, name in (("en", "English"), ("zh", "中文")):
+        page.get_by_role("button", name=name).click()
+        page.locator("#frame").fill("241#9C00000000000000")
+        problem = page.locator("#problem").inner_text()
+        assert other.title[language] in problem
+        page.locator("#frame").fill("00000241#9C00000000000000")
+        assert other.title[language] not in page.locator("#problem").inner_text()
+        for line in ("00000141 A1 00 00 00 64 00 00 00", "0x00000141 A1 00 00 00 64 00 00 00"):
+            page.locator("#frame").fill(line)
+            problem = page.locator("#problem").inner_text()
+            assert "0x00000141" in problem and "141#A100000064000000" in problem and "29" in problem
+        page.locator("#frame").fill("18FF0141 A1 00")
+        assert "18FF0141" in page.locator("#problem").inner_text()
+        assert "29" not in page.locator("#problem").inner_text()
+    page.evaluate(PASTE, "(1.0) can0 241#9C00000000000000\n(2.0) can0 7FF#00")
+    page.wait_for_selector("#log-rows tr:nth-child(2)")
+    rows = page.locator("#log-rows tr").all_inner_texts()
+    assert other.title["zh"] in rows[0] and "没有报文" in rows[1]
+
+
 def test_no_series_is_assumed(page_of_motors: Path, opened: Open) -> None:
     """Without the series, there is a value for each, no input of amperes, and no program; invalid parameters are named."""
     page = opened(
@@ -192,6 +240,7 @@ def test_no_series_is_assumed(page_of_motors: Path, opened: Open) -> None:
         == page.locator("#python").inner_text()
         == "depends on Motor series: set it above"
     )
+    assert page.locator("[data-copy]:disabled").evaluate_all("all => all.map(b => b.dataset.copy)") == ["c", "python"]
     page.get_by_label("Raw integer of iq").fill("310")
     page.get_by_label("Raw integer of iq").press("Enter")
     assert page.get_by_label("Frame, or bytes").input_value() == "141#A1323601F4010080"
@@ -217,7 +266,8 @@ def test_a_message_is_composed(page_of_motors: Path, opened: Open) -> None:
     assert "_encode(&frame, 7u, &message)" in page.locator("#c").inner_text()
     page.get_by_label("Node", exact=True).fill("33")
     page.get_by_label("Node", exact=True).press("Enter")
-    assert page.locator("#field-problem").inner_text() == "node: no such node"
+    assert page.locator("#field-problem").inner_text().startswith("node: no such node (1..32).")
+    assert not page.locator("#cansend").is_visible()
 
 
 def test_it_works_below_a_sub_path(page_of_motors: Path, opened: Open) -> None:
@@ -312,10 +362,40 @@ def test_a_log_is_listed(page_of_motors: Path, opened: Open, tmp_path: Path) -> 
     page.wait_for_selector("#log-rows tr:nth-child(51)")
     assert page.locator("#log-rows tr").count() == 51
     page.locator("#log-rows button").last.click()
-    assert page.get_by_label("Frame, or bytes").input_value() == "141#9C49640000000000"
+    assert page.get_by_label("Frame, or bytes").input_value() == "141#9C49640000000000 R"
     log.write_bytes(b"LOGG\x90\x00 no text")
     page.locator("#file").set_input_files(log)
     page.wait_for_selector("#log-summary:has-text('canwright decode')")
+
+
+def test_a_row_of_a_log_and_the_list_agree(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:
+    """Also after another message, another edition or a parameter was chosen; a mark decides where both directions fit."""
+    datas = ("8000000000000000", "A3000000A08C0000", "9C33640000000100", "A1329B00F4010080")
+    log = tmp_path / "bus.asc"
+    spaced = (" ".join(data[i : i + 2] for i in range(0, 16, 2)) for data in datas)
+    log.write_text("".join(f"{n}.5 1  141  Rx  d 8 {data}\n" for n, data in enumerate(spaced)), "utf-8")
+    page = opened(page_of_motors)
+    page.locator("#file").set_input_files(log)
+    page.wait_for_selector("#log-rows tr:nth-child(4)")
+
+    def check() -> None:
+        for i in range(4):
+            page.locator("#log-rows button").nth(i).click()
+            title = page.locator("#found [aria-pressed=true] strong").inner_text()
+            direction = page.locator("#found [aria-pressed=true] span").inner_text().split(" · ")[0]
+            assert f"{title} · {direction}" in page.locator("#log-rows tr").nth(i).inner_text()
+            assert page.locator("#found button").first.get_attribute("aria-pressed") == "true"
+
+    check()
+    assert " · reply" in page.locator("#log-rows tr").first.inner_text()
+    for edition in ("v2.36-2025-03", "v2.35"):
+        page.get_by_label("Edition").select_option(edition)
+        page.wait_for_timeout(300)
+        check()
+    page.locator("#found button").last.click()
+    page.get_by_label("Motor series").select_option("MS")
+    page.wait_for_timeout(300)
+    check()
 
 
 def test_a_long_log_is_read_in_parts(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:
@@ -367,13 +447,13 @@ def test_it_is_accessible_and_fits_a_phone(language: str, scheme: Any, page_of_m
 
 
 def test_the_code_is_copied(page_of_motors: Path, opened: Open) -> None:
-    page = opened(page_of_motors, TORQUE)
+    page = opened(page_of_motors, TORQUE.replace("0080&", "0040&"))
     page.locator("[data-copy=cansend]").click()
     assert page.locator("#copied").inner_text() == "Copied"
     page.get_by_label("Frame, or bytes").focus()
     page.keyboard.press("Control+A")
     page.keyboard.press("Control+V")
-    assert page.get_by_label("Frame, or bytes").input_value() == "cansend can0 141#A1329B00F4010080"
+    assert page.get_by_label("Frame, or bytes").input_value() == "cansend can0 141#A1329B00F4010040"
     for name in ("bytes", "c", "python", "link"):
         page.locator(f"[data-copy={name}]").click()
         assert page.evaluate("getSelection().toString()").strip() == page.locator(f"#{name}").inner_text().strip()

@@ -354,7 +354,7 @@ def test_the_error_of_a_received_frame_has_no_stack_and_that_of_a_wrong_value_ha
         "true true undefined CodecError: no reply has the id 0x7FF",
         '{"name":"CodecError","message":"no reply has the id 0x7FF","refusal":"unknown_id","values":["0x7FF"]}',
         "true true string CodecError: speed=1000000000 °/s is out of range -21474836.48..21474836.47 °/s (raw -2147483648..2147483647)",
-        '{"name":"CodecError","refusal":"out_of_range","field":"speed"}',
+        '{"name":"CodecError","refusal":"out_of_range","field":"speed","values":["-21474836.48..21474836.47 °/s","-2147483648..2147483647"]}',
     ]
 
 

@@ -3,12 +3,12 @@
 
 /** What frames can mean, without a page: all messages that fit, in the order of their probability. */
 canwright.meaning = (() => {
-  const editions = canwright.editions.map(({ codec, texts, bindings, pages = {}, answered = {} }) => {
+  const editions = canwright.editions.map(({ codec, texts, bindings, pages = {}, answered = {}, neighbours = [] }) => {
     const messages = new Map(codec.MESSAGES.map((message) => [`${message.direction} ${message.command}`, message]));
     for (const [command, reply] of Object.entries(answered)) {
       messages.set(`reply ${command}`, messages.get(`reply ${reply}`));
     }
-    return { name: texts.edition, family: texts.family, codec, texts, bindings, pages, messages };
+    return { name: texts.edition, family: texts.family, codec, texts, bindings, pages, neighbours, messages };
   });
   editions.sort((first, second) => (second.texts.date ?? "").localeCompare(first.texts.date ?? ""));
   const families = new Set(editions.map(({ family }) => family));
@@ -225,7 +225,7 @@ canwright.meaning = (() => {
     const differs = deviation(edition, message, decoded, assumed);
     const isAnnounced = edition.texts.commands[command].implemented === false;
     const isOpposite = frame.sent !== undefined && frame.sent !== null && frame.sent !== (direction === "request");
-    const penalty = ({ reserved: 3, range: 2 }[differs] ?? 0) + (isOpposite ? 0.5 : 0);
+    const penalty = { reserved: 3, range: 2 }[differs] ?? 0;
     return {
       edition,
       message,
@@ -234,7 +234,7 @@ canwright.meaning = (() => {
       parameters,
       assumed,
       deviation: isAbsent ? "absent" : differs,
-      rank: [penalty + (isAnnounced ? 4 : 0) + (isAbsent ? 5 : 0), -determined(message, decoded)],
+      rank: [penalty + (isAnnounced ? 4 : 0) + (isAbsent ? 5 : 0), -determined(message, decoded), isOpposite ? 1 : 0], // many recorders mark every frame as received
     };
   }
 
@@ -262,9 +262,8 @@ canwright.meaning = (() => {
     const every = frame.id === null ? ids(parameters).map((id) => ({ ...frame, ...id })) : [frame];
     const interpretations = every.flatMap((each) => interpretationsOf(each, parameters));
     const order = ({ edition }) => (leading === "" || edition === find(leading) ? 0 : 1);
-    return interpretations.sort(
-      (first, second) => order(first) - order(second) || first.rank[0] - second.rank[0] || first.rank[1] - second.rank[1],
-    );
+    const difference = (first, second) => first.rank.map((part, i) => part - second.rank[i]).find((part) => part !== 0) ?? 0;
+    return interpretations.sort((first, second) => order(first) - order(second) || difference(first, second));
   }
 
   function interpretationsOf(frame, parameters) {
@@ -339,5 +338,19 @@ canwright.meaning = (() => {
     return [...groups.values()];
   }
 
-  return { editions, label, find, parameters, invalid, interpret, reasons, needed, blank, encode, rawOf, timing, page };
+  /** Whose a frame is, as editions state of ids that are not theirs: titles, each with the labels of the editions that have it. */
+  function neighbours({ id, extended }, edition) {
+    const groups = new Map();
+    for (const each of edition ? [edition] : editions) {
+      for (const { first, last, step, title } of each.neighbours) {
+        if (id >= first && id <= last && (id - first) % step === 0 && extended === id > 0x7ff) {
+          const key = JSON.stringify(title);
+          groups.set(key, { title, labels: [...(groups.get(key)?.labels ?? []), label(each)] });
+        }
+      }
+    }
+    return [...groups.values()];
+  }
+
+  return { editions, label, find, parameters, invalid, interpret, reasons, neighbours, needed, blank, encode, rawOf, timing, page };
 })();

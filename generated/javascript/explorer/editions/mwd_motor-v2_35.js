@@ -3383,6 +3383,23 @@ return {
     },
   },
   answered: { broadcast_torque: "set_torque" },
+  neighbours: [
+    {
+      first: 577,
+      last: 608,
+      step: 1,
+      title: {
+        en: "Replies of another vendor's motors",
+        zh: "\u5176\u4ed6\u5382\u5bb6\u7535\u673a\u7684\u56de\u590d",
+      },
+    },
+    {
+      first: 320,
+      last: 320,
+      step: 1,
+      title: { en: "Requests to node 0", zh: "\u53d1\u5f80\u8282\u70b9 0 \u7684\u547d\u4ee4" },
+    },
+  ],
 };
   })(),
 );

@@ -6872,6 +6872,32 @@ return {
     stage_stored_setting_speed_pid: "stage_stored_setting.html#entries.speed_pid",
     stage_stored_setting_current_pid: "stage_stored_setting.html#entries.current_pid",
   },
+  neighbours: [
+    {
+      first: 577,
+      last: 608,
+      step: 1,
+      title: {
+        en: "Replies of another vendor's motors",
+        zh: "\u5176\u4ed6\u5382\u5bb6\u7535\u673a\u7684\u56de\u590d",
+      },
+    },
+    {
+      first: 320,
+      last: 320,
+      step: 1,
+      title: { en: "Requests to node 0", zh: "\u53d1\u5f80\u8282\u70b9 0 \u7684\u547d\u4ee4" },
+    },
+    {
+      first: 640,
+      last: 640,
+      step: 1,
+      title: {
+        en: "Torque currents of four motors in edition v2.35",
+        zh: "v2.35 \u7248\u4e2d\u56db\u53f0\u7535\u673a\u7684\u8f6c\u77e9\u7535\u6d41",
+      },
+    },
+  ],
 };
   })(),
 );

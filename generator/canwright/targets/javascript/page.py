@@ -12,6 +12,7 @@ from ...model import formatting
 from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrames
 from ...model.layout import MAX_DATA_BYTES
+from ...model.metadata import Neighbour
 from ...templating.data_files import template_texts
 from ...templating.environment import environment
 from ..base import CodeNames, EditionInput, ItemNames, Output, header
@@ -82,8 +83,14 @@ def _parts(source: EditionSpec) -> str:
             "bindings": bindings(edition),
             "pages": _pages(edition) or None,
             "answered": answered or None,
+            "neighbours": [_neighbour(neighbour) for neighbour in edition.bus.neighbours] or None,
         }
     )
+
+
+def _neighbour(neighbour: Neighbour) -> Value:
+    ids = neighbour.ids
+    return {"first": ids[0], "last": ids[-1], "step": ids.step, "title": dict(neighbour.title) or None}
 
 
 def _pages(edition: Edition) -> dict[str, Value]:

@@ -13,6 +13,7 @@
   let chosen = null;
   let field = "";
   let log = { frames: [], skipped: 0, start: 0 };
+  let listing = { basis: "" }; // what the rows of the log depend on; another object for each listing
 
   const at = (id) => document.getElementById(id);
 
@@ -131,10 +132,17 @@
     }
   }
 
-  /** Shows a frame that was composed or selected. */
+  /** Shows a frame that was composed. */
   function use(frame) {
     state.frame = frames.format(frame);
     at("frame").value = state.frame;
+    update();
+  }
+
+  /** Shows what a text can mean, the most probable message first. */
+  function take(given) {
+    Object.assign(state, { frame: given, direction: "", command: "" });
+    at("frame").value = given;
     update();
   }
 
@@ -167,7 +175,7 @@
       if (before === 0 && opened.frames.length) {
         await pause();
         if (log === opened) {
-          use(opened.frames[0]);
+          take(frames.withMark(opened.frames[0]));
         }
       }
     }
@@ -179,9 +187,7 @@
     if (lines.length > 1 && lines.some(frames.parsePasted)) {
       openLog(new File([content], say("clipboard")), frames.parsePasted);
     } else {
-      Object.assign(state, { frame: lines.join(" "), direction: "", command: "" });
-      at("frame").value = state.frame;
-      update();
+      take(lines.join(" "));
     }
   }
 
@@ -197,32 +203,41 @@
 
   function showLog() {
     at("log").hidden = !log.name;
+    at("log-rows").replaceChildren();
     if (log.name) {
       showProgress();
       showRows();
     }
   }
 
-  /** Lists the frames of a page in groups, between which the page answers, until another page takes its place. */
+  /** Lists the frames of a page in groups, between which the page answers, until they are listed again. */
   async function showRows() {
     const shown = log.frames.slice(log.start, log.start + PAGE);
-    const rows = make("tbody", { id: "log-rows" });
-    at("log-rows").replaceWith(rows);
+    const current = { basis: basis() };
+    listing = current;
     for (let i = 0; i < shown.length; i += GROUP) {
       await pause();
-      if (!rows.isConnected) {
+      if (listing !== current) {
         return;
       }
-      rows.append(...shown.slice(i, i + GROUP).map(row));
+      const rows = [...at("log-rows").rows].slice(i, i + GROUP);
+      const again = shown.slice(i, i + GROUP).map(row);
+      again.forEach((made, k) => (rows[k] ? rows[k].replaceWith(made) : at("log-rows").append(made)));
     }
+  }
+
+  /** What the most probable message of a frame depends on. */
+  function basis() {
+    return JSON.stringify([state.edition, state.parameters]);
   }
 
   function row(frame) {
     const [best] = meaning.interpret(frame, state.parameters, state.edition);
     const button = make("button", { type: "button" }, frames.format(frame));
-    button.addEventListener("click", () => use(frame));
+    button.addEventListener("click", () => take(frames.withMark(frame)));
     const mark = frame.sent === null ? "" : say(frame.sent ? "sent" : "received");
-    const what = best ? `${titleOf(best)} · ${say(best.decoded.direction)}` : say("no_message");
+    const [neighbour] = meaning.neighbours(frame);
+    const what = best ? `${titleOf(best)} · ${say(best.decoded.direction)}` : text(neighbour?.title, say("no_message"));
     return make("tr", {}, make("td", {}, frame.time), make("td", {}, mark), make("td", {}, button), make("td", {}, what));
   }
 
@@ -260,10 +275,15 @@
 
   /** Why no message fits: a line for each reason, with the editions that give it, as the command line does. */
   function reasons(frame) {
-    const listed = frame.id === null ? [] : meaning.reasons(frame, meaning.find(state.edition));
+    const edition = meaning.find(state.edition);
+    const refused = frame.id === null ? [] : meaning.reasons(frame, edition);
+    const whose = meaning.neighbours(frame, edition).map(({ title, labels }) =>
+      say("neighbour", frames.format(frame).split("#")[0], text(title), labels.join(say("listed"))),
+    );
+    const short = frame.extended && frame.id <= 0x7ff ? [say("long_id", `0x${frames.hex(frame.id, 8)}`, frames.format({ ...frame, extended: false }))] : [];
     const given = (value) => [value].flat().join(say("or"));
     const reason = ({ direction, refusal, values, labels }) => say("reason", say(direction), say(refusal, say(direction), ...values.map(given)), labels.join(say("listed")));
-    return [say("no_message"), ...listed.map(reason)].join("\n");
+    return [say("no_message"), ...whose, ...short, ...refused.map(reason)].join("\n");
   }
 
   function select(interpretation) {
@@ -275,6 +295,9 @@
 
   function show() {
     writeAddress();
+    if (log.frames.length && listing.basis !== basis()) {
+      showRows();
+    }
     showFound();
     showCommands();
     at("chosen").hidden = !chosen;
@@ -475,6 +498,8 @@
     const { edition, message, decoded } = chosen;
     at("node-box").hidden = message.nodes === null; // then a field contains the node, or none does
     at("node").value = decoded.node ?? "";
+    at("node").removeAttribute("aria-invalid");
+    at("field-problem").textContent = "";
     const rows = decoded.fields.map((result) => {
       const position = message.fields.findIndex(({ name }) => name === result.name);
       const description = message.fields[position];
@@ -557,7 +582,7 @@
     const isList = isArray && Array.isArray(result.value);
     const input = make("input", { ariaLabel: label, value: [result.value].flat().join(" "), size: 12 });
     const entered = () => (typeof result.value === "string" ? input.value : numbers(input.value, isList, Number));
-    input.addEventListener("change", () => enter(result.name, { value: entered() }));
+    input.addEventListener("change", () => enter(result.name, { value: entered() }, input));
     const { valueName } = result;
     const name = typeof valueName === "string" ? ` (${text(texts.members?.[valueName], valueName)})` : "";
     return make("span", {}, input, (result.unit ? ` ${result.unit}` : "") + name);
@@ -572,7 +597,7 @@
 
   function rawInput(result) {
     const input = make("input", { ariaLabel: say("raw_of", result.name), value: [result.raw].flat().join(" "), size: 12 });
-    input.addEventListener("change", () => enter(result.name, { raw: numbers(input.value, Array.isArray(result.raw), BigInt) }));
+    input.addEventListener("change", () => enter(result.name, { raw: numbers(input.value, Array.isArray(result.raw), BigInt) }, input));
     return input;
   }
 
@@ -588,8 +613,8 @@
     return isArray ? given.trim().split(/[\s,]+/).map(parsed) : parsed(given.trim());
   }
 
-  /** Encodes the message with another value of one field, or for another node, and shows the frame. */
-  function enter(name, { value, raw, node }) {
+  /** Encodes the message with another value of one field, or for another node, and shows the frame; without one, no code is offered. */
+  function enter(name, { value, raw, node }, input) {
     if (!chosen) {
       return; // the address lost its frame, which hides an input that has changed
     }
@@ -597,14 +622,17 @@
     try {
       const changed = value === undefined ? raw : meaning.rawOf(chosen, name, value);
       const frame = meaning.encode(chosen, { node, raw: name === "" ? decoded.raw : { ...decoded.raw, [name]: changed } });
-      at("field-problem").textContent = "";
       Object.assign(state, { edition: meaning.label(edition), direction: decoded.direction, command: decoded.command });
       const focused = document.activeElement?.ariaLabel;
       use(frame);
       [...at("fields").querySelectorAll("input, select")].find((input) => input.ariaLabel === focused)?.focus();
     } catch (error) {
-      const known = canwright.labels[state.lang][error.refusal];
-      at("field-problem").textContent = `${error.field || name || say("node_number")}: ${known ?? say("not_finite")}`;
+      const [limits, raws] = error.values ?? [];
+      const accepted = [limits, raws && `${say("raw")} ${raws}`].filter(Boolean).join(" · ");
+      const reason = canwright.labels[state.lang][error.refusal] ?? say("not_finite");
+      at("field-problem").textContent = say("refused", error.field || name || say("node_number"), reason, accepted && ` (${accepted})`);
+      input?.setAttribute("aria-invalid", "true");
+      at("code").hidden = true;
     }
   }
 
@@ -655,6 +683,7 @@
   // Code
 
   function showCode() {
+    at("code").hidden = false;
     at("link").textContent = location.href;
     at("bytes").textContent = chosen.decoded.frame.data.map((byte) => frames.hex(byte, 2)).join(" ");
     at("cansend").textContent = code.cansend(chosen);
@@ -662,6 +691,7 @@
     const instead = obstacle === "needs" ? needed(chosen.edition, [chosen.variant.parameter]) : obstacle && say(obstacle);
     for (const language of ["c", "python"]) {
       at(language).textContent = instead || code[language](chosen);
+      document.querySelector(`[data-copy="${language}"]`).disabled = instead !== "";
     }
   }
 
@@ -699,8 +729,7 @@
   }
 
   at("frame").addEventListener("input", () => {
-    Object.assign(state, { frame: at("frame").value, direction: "", command: "" });
-    update();
+    take(at("frame").value);
   });
   at("frame").addEventListener("paste", (event) => {
     const content = event.clipboardData.getData("text");
@@ -724,7 +753,7 @@
     [...at("file").files].forEach((file) => openLog(file));
     at("file").value = ""; // so that the same file can be opened again
   });
-  at("node").addEventListener("change", () => enter("", { node: Number(at("node").value || NaN) }));
+  at("node").addEventListener("change", () => enter("", { node: Number(at("node").value || NaN) }, at("node")));
   at("log-previous").addEventListener("click", () => turn(-1));
   at("log-next").addEventListener("click", () => turn(1));
   at("bits").addEventListener("keydown", moveInBits);

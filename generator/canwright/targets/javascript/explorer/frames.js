@@ -214,12 +214,11 @@ canwright.frames = (() => {
       tokens.pop();
     }
     const last = tokens.at(-1)?.token ?? "";
-    const size = last.length > 4 || !BYTE.test(last) ? last.length : 0;
+    const shortStart = startOf(tokens, ({ token }) => SHORT_BYTE.test(token));
+    const isShort = isUnambiguous(tokens.slice(shortStart).map(({ token }) => token));
+    const size = !isShort && (last.length > 4 || !BYTE.test(last)) ? last.length : 0;
     const isByte = ({ token }) => (size ? token.length === size && /^(?:0x)?(?:[0-9a-f]{2})+$/i.test(token) : BYTE.test(token));
-    let start = tokens.length;
-    while (start > 0 && isByte(tokens[start - 1])) {
-      start -= 1;
-    }
+    const start = isShort ? shortStart : startOf(tokens, isByte);
     const head = tokens.slice(0, start);
     const isCount = ({ token }) => /^0x0/i.test(token) && Number(token) === tokens.length - start;
     const ids = head.filter((each, i) => ID.test(each.token) && !(i > 1 && isCount(each)));
@@ -234,7 +233,26 @@ canwright.frames = (() => {
     const bytes = tokens.slice(start);
     const isLength = bytes.length === 9 && id && bytes[0].token === "08"; // of a list of comma-separated values
     const length = isLength ? bytes.shift() : between.findLast(({ token }) => /^\d$/.test(token) && between.at(-1).token === token);
-    return { bytes, id, length, isPacked: size > 0 };
+    return { bytes, id, length, isShort, isPacked: size > 0 };
+  }
+
+  /** Where the last tokens start that are all of a kind. */
+  function startOf(tokens, isOfKind) {
+    let start = tokens.length;
+    while (start > 0 && isOfKind(tokens[start - 1])) {
+      start -= 1;
+    }
+    return start;
+  }
+
+  /**
+   * Whether tokens of one or two digits can only be bytes: the first is no length or channel, the last is not cut off,
+   * and no number can be decimal.
+   */
+  function isUnambiguous(tokens) {
+    const isShort = tokens.some((token, i) => /^0x.$/i.test(token) || (token.length === 1 && i < tokens.length - 1));
+    const plain = tokens.filter((token) => !/^0x/i.test(token));
+    return isShort && BYTE.test(tokens[0]) && (plain.some((token) => /[a-f]/i.test(token)) || !plain.some((token) => /^[1-9]\d$/.test(token)));
   }
 
   /** Adds the frames of some lines to others; returns how many lines have none. `parseOne` returns the frame of a line, or null. */
@@ -265,5 +283,10 @@ canwright.frames = (() => {
     return `${hex(id, extended ? 8 : 3)}${data.length > 8 ? "##0" : "#"}${remote ? "R" : data.map((byte) => hex(byte, 2)).join("")}`;
   }
 
-  return { parse, parseLine, parseLines, parsePasted, format, hex };
+  /** A frame with its direction, if that is known, as candump writes it. */
+  function withMark(frame) {
+    return format(frame) + (typeof frame.sent === "boolean" ? (frame.sent ? " T" : " R") : "");
+  }
+
+  return { parse, parseLine, parseLines, parsePasted, format, withMark, hex };
 })();
