@@ -199,14 +199,14 @@ def test_reasons_are_in_the_language_of_the_page(page_of_motors: Path, opened: O
 def test_a_frame_of_no_message_says_whose_it_is_and_how_its_id_was_read(page_of_motors: Path, opened: Open) -> None:
     page = opened(page_of_motors)
     item = specification(SPECS[0])
-    other = next(n for n in item.edition.bus.neighbours if 0x241 in n.ids)
+    neighbour = next(n for n in item.edition.bus.neighbours if 0x241 in n.ids)
     for language, name in (("en", "English"), ("zh", "中文")):
         page.get_by_role("button", name=name).click()
         page.locator("#frame").fill("241#9C00000000000000")
         problem = page.locator("#problem").inner_text()
-        assert other.title[language] in problem
+        assert neighbour.title[language] in problem
         page.locator("#frame").fill("00000241#9C00000000000000")
-        assert other.title[language] not in page.locator("#problem").inner_text()
+        assert neighbour.title[language] not in page.locator("#problem").inner_text()
         for line in ("00000141 A1 00 00 00 64 00 00 00", "0x00000141 A1 00 00 00 64 00 00 00"):
             page.locator("#frame").fill(line)
             problem = page.locator("#problem").inner_text()
@@ -217,7 +217,7 @@ def test_a_frame_of_no_message_says_whose_it_is_and_how_its_id_was_read(page_of_
     page.evaluate(PASTE, "(1.0) can0 241#9C00000000000000\n(2.0) can0 7FF#00")
     page.wait_for_selector("#log-rows tr:nth-child(2)")
     rows = page.locator("#log-rows tr").all_inner_texts()
-    assert other.title["zh"] in rows[0] and "没有报文" in rows[1]
+    assert neighbour.title["zh"] in rows[0] and "没有报文" in rows[1]
 
 
 def test_no_series_is_assumed(page_of_motors: Path, opened: Open) -> None:
