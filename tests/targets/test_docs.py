@@ -19,7 +19,9 @@ import pytest
 from canwright.model import formatting
 from canwright.project.loader import specification
 from canwright.targets.docs.target import DocsTarget
+from canwright.templating.data_files import read_data
 from canwright.templating.markup import markdown
+from canwright.templating.resources import QUESTIONS
 
 from ..node import run
 from ..spec_texts import MINIMAL, ROOT
@@ -360,6 +362,14 @@ def test_a_question_links_a_command_with_its_code_in_each_edition() -> None:
         "- `0xB0` `read_control_parameter`: [v2.35-2024-02](v2.35-2024-02/commands/read_control_parameter.md)\n" in text
     )
     assert "- `0xC0` `read_control_parameter`: [v2.36-2024-11](v2.36-2024-11/commands/" in text
+
+
+def test_questions_are_texts_in_each_language() -> None:
+    """Unquoted, YAML reads `0x240` as a number, and a comma ends a text."""
+    for question in (question for family in read_data(QUESTIONS).values() for question in family):
+        assert {*question["ask"]} == {*question["answer"]} == {"en", "zh"}, question["name"]
+        texts = [*question["ask"].values(), *question["answer"].values(), *question["words"]]
+        assert [text for text in texts if not isinstance(text, str)] == []
 
 
 def test_a_frame_is_written_as_can_utils_take_it() -> None:

@@ -138,6 +138,13 @@ class Sheet(NamedTuple):
     view: Mapping[str, Any]
 
 
+class Since(NamedTuple):
+    """The changes since an older edition: all, and those that affect each command, by its name in the spec."""
+
+    changes: Sequence[Change]
+    by_command: Mapping[str, Sequence[Change]]
+
+
 class Common:
     """Computes everything before the first page is written: that is faster than between pages."""
 
@@ -153,12 +160,12 @@ class Common:
         self._drawings = Drawings()
         self._examples = Examples(edition, golden)
         self._modes: Mapping[str | None, Mode] = {mode.name: mode for mode in edition.bus.modes}
-        self._since: dict[Edition, Sequence[Change]] = {}
-        self._affecting: dict[Edition, Mapping[str, Sequence[Change]]] = {}
+        self._since: dict[Edition, Since] = {}
         self.sheets = list(self._sheets())
-
-    def uses(self) -> Mapping[str, Mapping[tuple[str, Direction], Sequence[str]]]:
+        self.uses = self._uses()
         """Links to the rows of fields from the page of types, by the name of the type, and by field and direction."""
+
+    def _uses(self) -> Mapping[str, Mapping[tuple[str, Direction], Sequence[str]]]:
         uses: dict[str, dict[tuple[str, Direction], list[str]]] = {}
         forms = [form for sheet in self.sheets for form in sheet.forms]
         sides = [(form, direction, side) for form in forms for direction, side in form.sides]
@@ -175,19 +182,13 @@ class Common:
         title = command.spec_name if command.code is None else " ".join(filter(None, (code_of(command), form.key)))
         return f"[{title}]({COMMANDS}{command.spec_name}.md#{field_anchor(command, direction, field)})"
 
-    def since(self, old: Edition) -> Sequence[Change]:
-        """Changes since an older edition."""
+    def since(self, old: Edition) -> Since:
+        """The changes since an older edition."""
         if old not in self._since:
-            self._since[old] = compare(old, self.edition, own_targets())
+            changes = compare(old, self.edition, own_targets())
+            by_command = {name: affecting(changes, commands) for name, commands in self.edition.groups.items()}
+            self._since[old] = Since(changes, by_command)
         return self._since[old]
-
-    def affecting(self, old: Edition) -> Mapping[str, Sequence[Change]]:
-        """The changes since an older edition that affect each command, by its name in the spec."""
-        if old not in self._affecting:
-            self._affecting[old] = {
-                name: affecting(self.since(old), commands) for name, commands in self.edition.groups.items()
-            }
-        return self._affecting[old]
 
     def _sheets(self) -> Iterator[Sheet]:
         groups = list(self.edition.groups.values())

@@ -221,7 +221,8 @@ def _raw(type_: Type) -> list[str]:
     if type_.encoding is Encoding.FLOAT:
         return [f"f{type_.width}", f"float{type_.width}"]
     letter, sign = ("i", "") if type_.encoding is Encoding.SIGNED else ("u", "u")
-    return [f"{sign}int{type_.width}_t", f"{sign}int{type_.width}", f"{letter}{type_.width}"]
+    spelled = [f"{sign}int{type_.width}_t", f"{sign}int{type_.width}", f"{letter}{type_.width}", f"{type_.width} bit"]
+    return [*spelled, "signed" if sign == "" else "unsigned"]
 
 
 def _limits(type_: Type) -> Iterator[str]:
@@ -241,9 +242,11 @@ def _limits(type_: Type) -> Iterator[str]:
 def _types(edition: Edition) -> Iterator[Record]:
     """Types with names and their values; values of other types are on the pages of the commands that have them."""
     of_type: dict[Type, list[str]] = {}
+    printed: dict[Type, set[str]] = {}
     for command, message in _messages(edition.commands):
         for field in message.layout.fields:
             of_type.setdefault(field.type, []).append(page_of(command))
+            printed.setdefault(field.type, set()).add(field.manual_name)
     for type_ in dict.fromkeys((*edition.types, *of_type)):
         is_named = type_.path[0] == "types"
         pages = [f"types#types.{type_.name}"] if is_named else list(dict.fromkeys(of_type.get(type_, ())))
@@ -253,5 +256,8 @@ def _types(edition: Edition) -> Iterator[Record]:
         for key, members in type_.members_by_key.items():
             for member in members:
                 titles = {"title": dict(member.title), "about": dict(member.about)}
-                raw = f"bit {member.value}" if key == "flags" else f"0x{member.value:02X}"
-                yield {"kind": "value", "name": member.name, "words": [raw], **titles, "pages": pages}
+                notes = [dict(type_.title), *({"": name} for name in sorted(printed.get(type_, ())) if name)]
+                is_flag = key == "flags"
+                raw = [f"bit {member.value}"] if is_flag else []
+                raw.append(f"0x{1 << member.value if is_flag else member.value:02X}")
+                yield {"kind": "value", "name": member.name, "words": raw, **titles, "notes": notes, "pages": pages}

@@ -127,7 +127,7 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
     changed = {
         edition: {
             name
-            for name, changes in commons[edition].affecting(old).items()
+            for name, changes in commons[edition].since(old).by_command.items()
             if changes and all(change.rule.id != "command-added" for change in changes)
         }
         for edition, old in older.items()
@@ -193,17 +193,17 @@ def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) 
     for name in _PAGES if edition.states else _PAGES[:-1]:
         yield Output(
             f"{folder}/{name}.md",
-            env.get_template(f"{name}.md.j2").render(view, named_types=named, tables=tables, uses=common.uses()),
+            env.get_template(f"{name}.md.j2").render(view, named_types=named, tables=tables, uses=common.uses),
         )
     template = env.get_template("command.md.j2")
     for sheet in common.sheets:
         changed = old and editions.changed(
-            old, common.affecting(old)[sheet.name], book.language, book.labels, book.wording
+            old, common.since(old).by_command[sheet.name], book.language, book.labels, book.wording
         )
         page = template.render({**view, **sheet.view, "sheet": sheet, "forms": sheet.forms, "changed": changed})
         yield Output(f"{folder}/{COMMANDS}{sheet.name}.md", page)
     if old is not None:
-        changes = editions.changes(old, common.since(old), book.language, book.labels, book.wording)
+        changes = editions.changes(old, common.since(old).changes, book.language, book.labels, book.wording)
         yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view, changes=changes))
 
 

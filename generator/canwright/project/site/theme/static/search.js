@@ -2,7 +2,7 @@
 // Search without an inverted index: some thousand short texts are compared in a few milliseconds. Libraries for full
 // text split words at spaces, which Chinese does not have, and know neither codes nor rules of ids.
 
-const SEPARATORS = /(?:[\s_+=~±*&|<>\-‐–—,，、;；:：。()（）[\]{}【】《》"'“”`!！?？/]|\.{2,})+/gu;
+const SEPARATORS = /(?:[\s_+=~±*&|$<>\-‐–—,，、;；:：。()（）[\]{}【】《》"'“”`!！?？/]|\.{2,})+/gu;
 const BOUNDARY = /(?<=[\u3400-\u9fff])(?=[a-z0-9])|(?<=[a-z0-9])(?=[\u3400-\u9fff])/gu;
 const BETWEEN_CHINESE = /(?<=[\u3400-\u9fff]) (?=[\u3400-\u9fff])/gu;
 const CHINESE = /[\u3400-\u9fff]/u;
@@ -19,7 +19,7 @@ const FORM = /^(?:ing|ion|or|er|ed|e)?(?: |$)/u;
 const CAMEL = /(?<=[a-z]{2})(?=[A-Z])/gu;
 
 /** A code or an id as a word of its own. */
-const CODE = /^(?:0x)?[0-9a-f]{2,8}h?$/u;
+const CODE = /^(?:0x[0-9a-f]{2,8}|[0-9a-f]{2,3}h?|[0-9a-f]{8})$/u;
 /** The bytes of a frame, which manuals print beside codes and fields. */
 const PLACE = /\bdata\s*\[\d+(?:\.\.\d+)?\]/giu;
 /** A month as it is written in Chinese. */
@@ -31,6 +31,8 @@ const REMARK = /(?<=\S)\s*[（(][^（()）]{8,}[)）]/gu;
 const WEIGHTS = { command: 1, type: 0.8, entry: 0.9, id: 0.95, page: 0.9, question: 0.9, heading: 0.88, mode: 0.75, effect: 0.7, field: 0.7, value: 0.65, table: 0.6, erratum: 0.45, parameter: 0.55, setting: 0.5, state: 0.5, neighbour: 0.5 };
 /** For an item that is the whole query: the type of a field comes before the commands that have it. */
 const WHOLE = { heading: 0, type: 0.99, setting: 0.65 };
+/** The kinds of items that a query can mean in words of its own. */
+const MEANT = new Set(["command", "entry", "type", "mode", "question"]);
 /** For a name in the spelling of the manual, or a title as it is printed. */
 const PRINTED = 0.3;
 /** A field of more commands than these does not lead to them by its name alone. */
@@ -121,8 +123,12 @@ function kept(compute) {
 
 function createSearch(index, language) {
   const groups = index.synonyms.map(group => group.map(normalized));
+  const synonyms = new Map(); // by the first character
+  for (const group of groups) {
+    for (const word of group) { synonyms.set(word[0], [...(synonyms.get(word[0]) ?? []), { word, group }]); }
+  }
   const stops = new Set(index.stops.map(normalized));
-  const labels = new Set(groups.filter(group => group.includes("command")).flat().flatMap(text => text.split(" ")));
+  const labels = groups.filter(group => group.includes("command") || group.includes("send")).flat().flatMap(text => text.split(" "));
   const documents = new Map();
   let order = 0;
 
@@ -208,7 +214,7 @@ function createSearch(index, language) {
     const list = [];
     let rest = query;
     while (rest) {
-      const starts = groups.flatMap(group => group.filter(word => isStart(word, rest)).map(word => ({ word, group })));
+      const starts = (synonyms.get(rest[0]) ?? []).filter(({ word }) => isStart(word, rest));
       const longest = Math.max(0, ...starts.map(({ word }) => word.length));
       const end = longest || nextEnd(rest);
       const word = rest.slice(0, end);
@@ -218,6 +224,9 @@ function createSearch(index, language) {
     }
     return list;
   }
+
+  /** What a text says, the same for synonyms in any order: one word for each term. */
+  const meaning = kept(text => terms(text).map(({ word, same }) => [word, ...same].sort()[0]).sort().join(" "));
 
   const isStart = (word, text) => text.startsWith(word) && (CHINESE.test(word) || !text[word.length] || text[word.length] === " " || CHINESE.test(text[word.length]));
 
@@ -238,7 +247,7 @@ function createSearch(index, language) {
   /** Chinese words as long as a term or longer by a character: synonyms, and parts of titles for terms of three and more. */
   function neighbours(term) {
     const parts = chinese.flatMap(text => [0, 1].flatMap(more => [...text].map((_, i) => text.slice(i, i + term.length + more))));
-    return new Set([...groups.flat().filter(word => word[0] === term[0]), ...(term.length > 2 ? parts : [])].filter(word => word.length >= term.length && CHINESE.test(word)));
+    return new Set([...groups.flat().filter(word => word[0] === term[0] || word.at(-1) === term.at(-1)), ...(term.length > 2 ? parts : [])].filter(word => word.length >= term.length && CHINESE.test(word)));
   }
 
   /** The words of the pages that differ least from a word with a typo; of `32a`, the number and its unit. */
@@ -253,8 +262,9 @@ function createSearch(index, language) {
     return candidates.filter(({ far }) => far === least).map(({ text }) => text);
   });
 
-  const isUnknownTo = kept((word, same) => items.every(item => !value(item, { word, same })));
-  const isUnknown = ({ word, same }) => !stops.has(word) && isUnknownTo(word, same);
+  /** How well each item matches a term, which several spellings of a query have. */
+  const valuesOf = kept((word, same) => items.map(item => value(item, { word, same })));
+  const isUnknown = ({ word, same }) => !stops.has(word) && !valuesOf(word, same).some(Boolean);
 
   /** Whether a term can have a typo: no text contains it, or all only as a part of another word. */
   const isDoubtful = part => isUnknown(part) || (/^[a-z]{3,}$/u.test(part.word) && !part.same.length && !stops.has(part.word) && !words.has(part.word));
@@ -311,14 +321,20 @@ function createSearch(index, language) {
   function whole(item, query, asked) {
     if (!query || ["question", "effect"].includes(item.kind)) { return 0; }
     if (item.isEverywhere) { return item.texts.includes(query) ? WEIGHTS[item.kind] : 0; }
-    const isType = item.kind === "type" && groups.some(group => group.includes(query) && group.some(word => item.texts.includes(word)));
-    if (!isType && !ofId(item, query) && !item.texts.includes(query)) { return 0; }
+    if (!ofId(item, query) && !item.texts.includes(query)) {
+      const means = meaning(query);
+      const isSame = (item.kind === "type" || means.includes(" ")) && MEANT.has(item.kind) && item.texts.some(text => meaning(text) === means);
+      return !isSame ? 0 : item.kind === "type" ? EXACT + WHOLE.type : 1 + (WHOLE[item.kind] ?? WEIGHTS[item.kind]);
+    }
     const isPrinted = [...(item.printed ?? "").split(", "), item.title.split(/\s*[（(]/u)[0]].includes(asked.trim());
     return EXACT + (WHOLE[item.kind] ?? WEIGHTS[item.kind]) + (isPrinted ? PRINTED : 0);
   }
 
   /** How well each item matches each term. */
-  const valued = parts => new Map(items.map(item => [item, parts.map(part => value(item, part))]));
+  function valued(parts) {
+    const ofParts = parts.map(({ word, same }) => valuesOf(word, same));
+    return new Map(items.map((item, i) => [item, ofParts.map(of => of[i])]));
+  }
 
   /** The terms of a query with the values of all items; Chinese terms that nothing contains are divided. */
   function matched(query) {
@@ -357,9 +373,10 @@ function createSearch(index, language) {
    */
   function coded(query) {
     const all = query.split(" ");
-    const isStop = word => word?.length > 1 && stops.has(word);
+    const isStop = word => CHINESE.test(word) ? terms(word).every(term => stops.has(term.word)) : word.length > 1 && stops.has(word);
     const isOnly = !groups.some(group => group.includes(query)) && all.every(word => CODE.test(word) || isStop(word));
-    const isCode = i => isOnly || labels.has(all[i - 1]) || labels.has(all[i + 1]);
+    const isBeside = (word, isAt) => labels.some(label => word === label || (CHINESE.test(label) && word?.[isAt](label)));
+    const isCode = i => isOnly || isBeside(all[i - 1], "endsWith") || isBeside(all[i + 1], "startsWith");
     const words = all.map((word, i) => /^\d\d$/u.test(word) && isCode(i) ? `0x${word}` : word.replace(/^(0x\w+)h$/u, "$1"));
     return (isOnly && !all.every(isStop) ? words.filter(word => !isStop(word)) : words).join(" ");
   }
