@@ -372,7 +372,7 @@ class Facts:
 
     def _floats(self, type_: Type, linear: Linear, encoder: Encoder, parameters: Parameters) -> Iterator[Single]:
         """The values of raw numbers in floating point, and the numbers of these values and of those next to them."""
-        precision = SINGLE if type_.width == 32 else DOUBLE
+        precision, field = SINGLE if type_.width == 32 else DOUBLE, self._field(type_)
         raws = (raw for raw in self._raws(encoder, type_) if is_finite(raw, precision))
         for raw, number in ((raw, number_of(raw, precision)) for raw in raws):
             exact = number * linear.scale + linear.offset
@@ -381,13 +381,13 @@ class Facts:
                 continue
             yield Single(type_.name, "to", raw, parameters, exact - error, exact + error)
             bits = bits_of(exact, SINGLE)
-            for given in {bits, max(bits - 1, 0), bits + 1}:
+            for given in filter(lambda near: is_finite(near, SINGLE), {bits, max(bits - 1, 0), bits + 1}):
                 back = (number_of(given, SINGLE) - linear.offset) / linear.scale
                 error = SINGLE_ERROR * (abs(back) + abs(linear.offset / linear.scale)) + SMALLEST
                 ends = back - error, back + error
-                values = (end * linear.scale + linear.offset for end in ends)
-                results = [encoder.field_raw(self._field(type_), value) for value in values]
-                is_valid = [isinstance(result, int) for result in results]
+                values = (at * linear.scale + linear.offset for at in (*ends, back))
+                answers = [_answer(encoder, field, encoder.nearest_raw(field, value)) for value in values]
+                is_valid = [answer.isdecimal() for answer in answers]
                 reason = None if all(is_valid) else Refusal.OUT_OF_RANGE
                 is_refused = not any(is_valid)
                 yield Single(type_.name, "from", given, parameters, *ends, reason, is_refused, precision)
