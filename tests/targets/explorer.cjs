@@ -6,7 +6,7 @@ const vm = require("node:vm");
 
 const [folder, questions] = process.argv.slice(2);
 const page = readFileSync(join(folder, "index.html"), "utf-8");
-const context = vm.createContext({ TextDecoder, TextEncoder });
+const context = vm.createContext({ TextDecoder, TextEncoder, atob });
 for (const [, path] of page.matchAll(/<script src="([^"]*)">/g)) {
   if (path !== "explorer.js") {
     vm.runInContext(readFileSync(join(folder, path), "utf-8"), context, { filename: path });
@@ -25,7 +25,19 @@ function written(one, { name, value, raw }) {
   }
 }
 
-const answers = JSON.parse(readFileSync(questions, "utf-8")).map(({ line, parameters, enter, leading }) => {
+/** What the lines of a log contain. */
+function logged(lines) {
+  const log = { frames: [], marks: new Set(), skipped: 0, errors: 0 };
+  const parseRow = canwright.frames.tableParser(lines[0]);
+  canwright.frames.parseLines(parseRow ? lines.slice(1) : lines, log, parseRow ?? canwright.frames.parseLine);
+  const frames = log.frames.map((frame) => [frame.time, canwright.frames.withMark(frame)]);
+  return { frames, skipped: log.skipped, errors: log.errors };
+}
+
+const answers = JSON.parse(readFileSync(questions, "utf-8")).map(({ log, line, parameters, enter, leading }) => {
+  if (log) {
+    return logged(log);
+  }
   const { frame = null, problem = null } = line ? canwright.frames.parse(line) : {};
   return !frame ? problem : {
     frame: frame.id === null ? `-#${canwright.frames.format({ ...frame, id: 0 }).split("#")[1]}` : canwright.frames.format(frame),

@@ -1,4 +1,4 @@
-"""The frame explorer without a browser: what lines and golden frames mean, and the code that it shows."""
+"""The frame explorer without a browser: what lines, tables and golden frames mean, and the code that it shows."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import can
 import pytest
 import yaml
 from canwright.conformance.adapter import write_files
@@ -416,6 +417,76 @@ def test_what_people_paste(tmp_path: Path) -> None:
     assert {problem[0] for problem in problems} <= {*labels}
 
 
+TABLES = {
+    "time,id,data\n0.5,141,A100000064000000\n0.6,0x142,9C 00\n0.7,00000141,0x9C 0x00\n0.8,141,\n": [
+        ["0.5", "141#A100000064000000"], ["0.6", "142#9C00"], ["0.7", "00000141#9C00"], ["0.8", "141#"],
+    ],
+    "time;id;data\n0,5;141;A1000000": [["0,5", "141#A1000000"]],
+    "Time;Identifier;Data\ndamaged;141;zz\n0.5;141;A1-00": [["0.5", "141#A100"]],
+    '"Time (s)"\t"CAN ID"\t"DLC"\t"Data (HEX)"\n0.5\t141h\t2\t"A1 00"\n0.6\t141h\t3\t"A1 00"': [["0.5", "141#A100"]],
+    "timestamp,arbitration_id,data\n1.5,0x141,nAAAAAAAAAA=\n1.6,0x141,AAAA": [
+        ["1.5", "141#9C00000000000000"], ["1.6", "141#000000"],
+    ],
+    "timestamp,arbitration_id,dlc,data\n1.5,0x141,8,9C00000000000000\n1.6,0x141,3,AAAA\n1.7,0x141,2,AAAA": [
+        ["1.5", "141#9C00000000000000"], ["1.6", "141#000000"], ["1.7", "141#AAAA"],
+    ],
+    "Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8\n1500,00000141,false,Rx,0,2,A1,00,,,,,,\n"
+    "1600,00000141,true,Tx,0,8,A1,00,00,00,64,00,00,00,\n1700,00000841,false,Rx,0,1,00,": [
+        ["1500", "141#A100 R"], ["1600", "00000141#A100000064000000 T"],
+    ],
+    "序号,传输方向,时间标识,帧ID,帧格式,帧类型,数据长度,数据(HEX)\n0,接收,0.5,0x00000141,数据帧,标准帧,0x02,A1 00": [
+        ["0.5", "141#A100 R"],
+    ],
+    "time,speed,data rate\n0.5,141,45": [],
+    "id: 0x141, data: A1 00\nid: 0x142, data: A1 00": [],
+}  # fmt: skip
+"""Tables of comma-separated values with their frames; an id of 11 bits above 7FF is refused."""
+
+
+def test_tables(tmp_path: Path) -> None:
+    """By the names of their columns; those of python-can have data in Base64, whose length decides where both notations fit."""
+    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
+    answers = interpret(folder, [{"log": table.splitlines()} for table in TABLES])
+    assert dict(zip(TABLES, (answer["frames"] for answer in answers), strict=True)) == TABLES
+
+
+def test_a_table_that_python_can_wrote(tmp_path: Path) -> None:
+    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
+    messages = [
+        can.Message(timestamp=1.5, arbitration_id=0x141, is_extended_id=False, data=bytes.fromhex("9C33640000000100")),
+        can.Message(timestamp=1.6, arbitration_id=0x141, is_extended_id=True, data=bytes(6)),
+        can.Message(timestamp=1.7, arbitration_id=0x142, is_extended_id=False, is_remote_frame=True, dlc=8),
+        can.Message(timestamp=1.8, arbitration_id=4, is_extended_id=False, is_error_frame=True, data=bytes(8)),
+    ]
+    with can.CSVWriter(tmp_path / "bus.csv") as writer:
+        for message in messages:
+            writer(message)
+    (answer,) = interpret(folder, [{"log": (tmp_path / "bus.csv").read_text("utf-8").splitlines()}])
+    frames = [["1.5", "141#9C33640000000100"], ["1.6", "00000141#000000000000"], ["1.7", "142#R"]]
+    assert answer == {"frames": frames, "skipped": 0, "errors": 1}
+
+
+ERRORS = """\
+(1.0) can0 20000004#0004000000000000
+(1.0) can0 141#9C00000000000000
+  can0  20000088   [8]  00 00 08 00 00 00 00 00   ERRORFRAME
+   0.5 1  ErrorFrame
+   0.5 CANFD 1 Rx ErrorFrame 0 0
+     3)         8.5  Error  00000008  4  00 00 00 00
+      3      8.500 ER 1      -  Rx  5    04 00 02 00 00
+Timestamp:        1.500000    ID: 00000004    X Rx E              DL:  8    00 04 00 00 00 00 00 00
+   0.5 1  123             Rx   d 1 9C
+2E 00
+"""
+
+
+def test_error_frames_are_counted(tmp_path: Path) -> None:
+    """Apart from the lines without a frame."""
+    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
+    (answer,) = interpret(folder, [{"log": ERRORS.splitlines()}])
+    assert answer == {"frames": [["1.0", "141#9C00000000000000"], ["0.5", "123#9C R"]], "skipped": 1, "errors": 7}
+
+
 def test_reasons_name_the_editions(tmp_path: Path) -> None:
     """No reason of one edition is given for all, and the chosen edition gives its own alone."""
     folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
@@ -444,15 +515,15 @@ def test_the_chosen_edition_leads(tmp_path: Path) -> None:
 
 
 def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
-    """A request with its reserved bits, a reply with them set, all editions, and both layouts of a series."""
+    """A request with its reserved bits, a reply with them set, all editions, both layouts of a series, and marked replies of zeros."""
     folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
     lines = ["141#9C00000000000000", "141#9C33640000000100", "141#A1329B00F4010080", "141#9C33640000000100"]
-    lines += ["(1.0) can0 141#8000000000000000 R", "(1.0) can0 141#8000000000000000 T"]
-    parameters = [{}, {}, {"series": "MG"}, {"series": "MS", "nonsense": "1", "encoder_bits": "99"}, {}, {}]
+    lines += ["(1.0) can0 141#8000000000000000 R", "(1.0) can0 141#8000000000000000 T", "141#9C00000000000000 R"]
+    parameters = [{}, {}, {"series": "MG"}, {"series": "MS", "nonsense": "1", "encoder_bits": "99"}, {}, {}, {}]
     answers = interpret(folder, [{"line": a, "parameters": b} for a, b in zip(lines, parameters, strict=True)])
     firsts = [(answer["found"][0]["direction"], answer["found"][0]["command"]) for answer in answers]
     status = ("reply", "read_status_2")
-    marked = [("reply", "motor_off"), ("request", "motor_off")]
+    marked = [("reply", "motor_off"), ("request", "motor_off"), status]
     assert firsts == [("request", "read_status_2"), status, ("reply", "set_torque"), status, *marked]
     assert {candidate["edition"] for candidate in answers[0]["found"]} == {
         specification(spec).edition.name for spec in SPECS[:4]

@@ -160,8 +160,10 @@ def test_a_value_out_of_range_has_no_code(page_of_motors: Path, opened: Open) ->
         assert problem == f"iq: {reason}. There is no frame with this value."
         assert ampere.get_attribute("aria-invalid") == "true"
         assert page.locator("[data-copy]:visible, pre:visible").count() == 0
+        assert page.locator("#frame").input_value() == ""
     page.get_by_role("button", name="中文").click()
     assert page.locator("#cansend").inner_text() == "cansend can0 141#A100000064000000"
+    assert page.locator("#frame").input_value() == "141#A100000064000000"
     assert page.locator("#field-problem").inner_text() == ""
     page.get_by_role("button", name="English").click()
     ampere.fill("16.5")
@@ -355,7 +357,7 @@ def test_a_log_is_listed(page_of_motors: Path, opened: Open, tmp_path: Path) -> 
     page.locator("#file").set_input_files(log)
     page.wait_for_selector("#log-rows tr:nth-child(100)")
     assert page.locator("#log-summary").inner_text() == "bus.log: 251 frames, 1 lines without a frame"
-    assert page.locator("#log-rows tr").first.inner_text().split("\t")[0::2] == ["1.0", "141#9C00000000000000"]
+    assert page.locator("#log-rows tr").first.inner_text().split("\t")[0:3:2] == ["1.0", "141#9C00000000000000"]
     page.get_by_role("button", name="Next").click()
     page.get_by_role("button", name="Next").click()
     page.wait_for_selector("#log-position:text-is('201–251 / 251')")
@@ -363,9 +365,87 @@ def test_a_log_is_listed(page_of_motors: Path, opened: Open, tmp_path: Path) -> 
     assert page.locator("#log-rows tr").count() == 51
     page.locator("#log-rows button").last.click()
     assert page.get_by_label("Frame, or bytes").input_value() == "141#9C49640000000000 R"
-    log.write_bytes(b"LOGG\x90\x00 no text")
+
+
+def test_a_log_without_frames_clears_the_page(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:
+    """It states what was expected."""
+    log = tmp_path / "bus.blf"
+    page = opened(page_of_motors, TORQUE)
+    for content in (b"LOGG\x90\x00 no text", b"", b"time,speed\n1.0,500\n"):
+        page.locator("#frame").fill("141#9C00000000000000")
+        log.write_bytes(content)
+        page.locator("#file").set_input_files(log)
+        page.wait_for_selector("#log-summary.problem:has-text('canwright decode')")
+        page.wait_for_selector("#chosen", state="hidden")
+        assert "time,id,data" in page.locator("#log-summary").inner_text()
+        assert page.locator("#found li, #log-rows tr").count() == 0 and page.locator("#frame").input_value() == ""
+        page.get_by_role("button", name="中文").click()
+        assert "未找到帧" in page.locator("#log-summary").inner_text()
+        page.get_by_role("button", name="English").click()
+    for text in ("time,speed\n1.0,500\n", "stamp,address,bytes\n1.5,0x141,nAAAAAAAAAA=\n"):
+        page.locator("#frame").fill("141#9C00000000000000")
+        page.evaluate(PASTE, text)
+        page.wait_for_selector("#log-summary.problem:has-text('Pasted text: No frame was found')")
+        page.wait_for_selector("#chosen", state="hidden")
+    page.evaluate(PASTE, "{\n0xA1,\n0x1G}")
+    assert "0x1G is not a byte" in page.locator("#problem").inner_text()
+    page.evaluate(PASTE, "(1.0) can0 20000004#0004000000000000\n(1.0) can0 141#9C00000000000000")
+    page.wait_for_selector(
+        "#log-summary.note:text-is('Pasted text: 1 frames, 0 lines without a frame, 1 error frames')"
+    )
+    log.write_text("(1.0) can0 20000004#0004000000000000\n", "utf-8")
     page.locator("#file").set_input_files(log)
-    page.wait_for_selector("#log-summary:has-text('canwright decode')")
+    page.wait_for_selector("#log-summary.note:text-is('bus.blf: 0 frames, 0 lines without a frame, 1 error frames')")
+
+
+def test_a_table_is_a_log(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:
+    """As python-can writes it, opened and pasted."""
+    table = "timestamp,arbitration_id,extended,remote,error,dlc,data\n1.5,0x141,0,0,0,8,nDNkAAAAAQA=\n"
+    (tmp_path / "bus.csv").write_text(table, "utf-8")
+    page = opened(page_of_motors)
+    page.locator("#file").set_input_files(tmp_path / "bus.csv")
+    for name in ("bus.csv", "Pasted text"):
+        page.wait_for_selector(f"#log-summary:text-is('{name}: 1 frames, 0 lines without a frame')")
+        page.wait_for_selector("#chosen-facts:has-text('read_status_2 · reply')")
+        page.locator("#frame").fill("")
+        page.evaluate(PASTE, f"\n{table}")
+
+
+def test_rows_of_a_log_have_values(page_of_motors: Path, opened: Open) -> None:
+    """In the language of the page, as the list below; the column of marks is there if frames have marks."""
+    page = opened(page_of_motors, "#edition=v2.35&parameter.series=MG&parameter.encoder_bits=15")
+    lines = "(1.0) can0 141#9C3364000A000080\n(2.0) can0 141#A501000028230000"
+    values = {
+        "English": "temperature 51 °C, iq 1.611328125 A, speed 10 °/s, encoder 360 °",
+        "中文": "电机温度 51 °C、转矩电流 1.611328125 A、电机转速 10 °/s、编码器位置 360 °",
+    }
+    members = {"English": "spin_direction counterclockwise, angle 90 °", "中文": "转动方向 逆时针、目标单圈角度 90 °"}
+    for language in values:
+        page.get_by_role("button", name=language).click()
+        page.evaluate(PASTE, lines)
+        page.wait_for_selector("#log-rows tr:nth-child(2)")
+        rows = [row.split("\t") for row in page.locator("#log-rows tr").all_inner_texts()]
+        assert [row[-1] for row in rows] == [values[language], members[language]]
+        assert [len(row) for row in rows] == [4, 4]
+        page.locator("#log-rows button").first.click()
+        assert page.locator("#found small").first.inner_text() == values[language]
+    assert page.locator("#log th:visible").count() == 4
+    page.evaluate(PASTE, lines.replace("\n", " R\n"))
+    page.wait_for_selector("#log th:nth-child(2):visible")
+    assert page.locator("#log th:visible").count() == 5
+
+
+def test_marks_decide_in_a_log_with_both(page_of_motors: Path, opened: Open) -> None:
+    """A recorder that listens marks every frame as received, requests too."""
+    page = opened(page_of_motors)
+    zeros, next_line = "(1.0) can0 141#9C00000000000000 R", "(2.0) can0 142#9C00000000000000"
+    for mark, direction in ((" R", "request"), (" T", "reply")):
+        page.evaluate(PASTE, f"{zeros}\n{next_line}{mark}")
+        page.wait_for_selector(f"#log-rows tr:first-child:has-text('· {direction}')")
+        page.wait_for_selector("#log-rows tr:nth-child(2):has-text('· request')")
+        page.locator("#log-rows button").first.click()
+        assert page.locator("#found button").first.get_attribute("aria-pressed") == "true"
+        assert page.locator("#chosen-facts").inner_text().startswith(f"read_status_2 · {direction}")
 
 
 def test_a_row_of_a_log_and_the_list_agree(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:
@@ -373,7 +453,8 @@ def test_a_row_of_a_log_and_the_list_agree(page_of_motors: Path, opened: Open, t
     datas = ("8000000000000000", "A3000000A08C0000", "9C33640000000100", "A1329B00F4010080")
     log = tmp_path / "bus.asc"
     spaced = (" ".join(data[i : i + 2] for i in range(0, 16, 2)) for data in datas)
-    log.write_text("".join(f"{n}.5 1  141  Rx  d 8 {data}\n" for n, data in enumerate(spaced)), "utf-8")
+    rows = [f"{n}.5 1  141  Rx  d 8 {data}\n" for n, data in enumerate(spaced)]
+    log.write_text("".join([*rows, "9.5 1  141  Tx  d 8 9C 00 00 00 00 00 00 00\n"]), "utf-8")
     page = opened(page_of_motors)
     page.locator("#file").set_input_files(log)
     page.wait_for_selector("#log-rows tr:nth-child(4)")
@@ -416,7 +497,7 @@ def test_a_long_log_is_read_in_parts(page_of_motors: Path, opened: Open, tmp_pat
     assert any("(reading, 50 %)" in summary for summary in page.evaluate("() => [...window.shown]"))
     assert page.locator("#log-position").inner_text() == "1–100 / 20000"
     page.wait_for_selector("#log-rows tr:nth-child(100)")
-    assert page.locator("#log-rows tr").last.inner_text().split("\t")[0::2] == ["99.0", "141#9C99640000000000"]
+    assert page.locator("#log-rows tr").last.inner_text().split("\t")[:2] == ["99.0", "141#9C99640000000000"]
 
 
 def test_the_log_that_was_opened_last_is_shown(page_of_motors: Path, opened: Open, tmp_path: Path) -> None:
@@ -485,7 +566,7 @@ def test_pasted_lines_are_a_log_or_one_frame(page_of_motors: Path, opened: Open)
     page.evaluate(PASTE, "uint8_t data[8] = {\n  0xA1, 0x00, 0x00, 0x00,\n  0x64, 0x00, 0x00, 0x00,\n};")
     assert page.locator("#bytes").inner_text() == "A1 00 00 00 64 00 00 00"
     page.evaluate(PASTE, "time,id,dlc,data\n0.5,0x141,8,9C 00 00 00 00 00 00 00\n0.6,0x142,8,9C 00 00 00 00 00 00 00")
-    page.wait_for_selector("#log-summary:text-is('Pasted text: 2 frames, 1 lines without a frame')")
+    page.wait_for_selector("#log-summary:text-is('Pasted text: 2 frames, 0 lines without a frame')")
     assert page.locator("#frame").input_value() == "141#9C00000000000000"
 
 

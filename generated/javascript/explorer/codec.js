@@ -2,12 +2,10 @@
 "use strict";
 
 const canwright = (() => {
-/** Exact numbers: quotients of integers, doubles as quotients, rounding, and IEEE 754 bit patterns. */
 
 const VIEW = /* @__PURE__ */ new DataView(/* @__PURE__ */ new ArrayBuffer(8));
 const NUMBER = /^\s*([+-]?)(\d+)(?:\.(\d*))?(?:[eE]([+-]?\d{1,3}))?(?:\/(\d+))?\s*$/;
 
-/** The quotient `[numerator, denominator]` in lowest terms of an integer, or of a text such as `3.5`, `1e-7` or `1/3`; null for another text. */
 function rational(value) {
   if (typeof value === "bigint" || Number.isSafeInteger(value)) {
     return [BigInt(value), 1n];
@@ -32,7 +30,6 @@ function reduced(numerator, denominator) {
   return [numerator / size, denominator / size];
 }
 
-/** A finite double as an exact quotient. */
 function ratio(number) {
   if (Number.isInteger(number)) {
     return [BigInt(number), 1n];
@@ -45,7 +42,6 @@ function ratio(number) {
   return [high >>> 31 ? -digits : digits, 1n << BigInt(1075 - Math.max(biased, 1))];
 }
 
-/** The double nearest to a quotient, ties to even; infinite if it exceeds the largest double. */
 function quotient(numerator, denominator) {
   if (numerator === 0n) {
     return 0;
@@ -72,7 +68,6 @@ function bitLength(positive) {
   return positive.toString(16).length * 4;
 }
 
-/** The integer nearest to a quotient, ties away from zero. */
 function nearest(numerator, denominator) {
   const above = numerator < 0n ? -numerator : numerator;
   const below = denominator < 0n ? -denominator : denominator;
@@ -80,30 +75,25 @@ function nearest(numerator, denominator) {
   return numerator < 0n === denominator < 0n ? size : -size;
 }
 
-/** The integer nearest to a double below 2^52, ties away from zero. */
 function rounded(number) {
   const whole = Math.trunc(number);
   return (Math.abs(number - whole) >= 0.5 ? whole + Math.sign(number) : whole) + 0;
 }
 
-/** -1, 0 or 1, as the first quotient is less than, equal to or greater than the second. */
 function compare([numerator, denominator], [factor, divisor]) {
   const difference = numerator * divisor - factor * denominator;
   return difference < 0n ? -1 : difference > 0n ? 1 : 0;
 }
 
-/** The largest integer that is not greater than a quotient with a positive denominator. */
 function floor([numerator, denominator]) {
   const whole = numerator / denominator;
   return numerator % denominator < 0n ? whole - 1n : whole;
 }
 
-/** The smallest integer that is not less than a quotient with a positive denominator. */
 function ceil([numerator, denominator]) {
   return -floor([-numerator, denominator]);
 }
 
-/** The number of an IEEE 754 bit pattern: 32 bits as a number, 64 bits as a BigInt. */
 function floatOf(width, bits) {
   if (width === 32) {
     VIEW.setUint32(0, bits);
@@ -113,7 +103,6 @@ function floatOf(width, bits) {
   return VIEW.getFloat64(0);
 }
 
-/** The double next to a quotient whose last bit is odd, unless a double is exact: rounded to 32 bits, it is rounded once. */
 function toOdd(numerator, denominator) {
   const number = quotient(numerator, denominator);
   if (!Number.isFinite(number) || number === 0) {
@@ -126,7 +115,6 @@ function toOdd(numerator, denominator) {
   return VIEW.getFloat64(0);
 }
 
-/** The bit pattern of the float nearest to a number; null if it is infinite. */
 function floatBits(width, number) {
   if (!Number.isFinite(width === 32 ? Math.fround(number) : number)) {
     return null;
@@ -138,13 +126,8 @@ function floatBits(width, number) {
   VIEW.setFloat64(0, number);
   return VIEW.getBigUint64(0);
 }
-/** Types of fields: the conversion between raw integers and values, with scales and ranges that can depend on parameters. */
 
 
-/**
- * Why a frame or a value is rejected: `refusal` is the reason, `field` the name of the field that caused it, and `values`
- * are those in the message, for texts in other languages.
- */
 class CodecError extends Error {
   constructor(refusal, message, field, values = []) {
     super(message);
@@ -187,11 +170,6 @@ const Rejection = /* @__PURE__ */ (() => {
   return Rejection;
 })();
 
-/**
- * The error of a frame that is rejected. It has no stack: a frame of another protocol on the bus is no mistake in a program,
- * and to collect a stack takes longer than to decode a frame. `describe` returns the message, and the `values` in it, for texts
- * in other languages; both are made when a program reads them.
- */
 function rejection(refusal, describe, field) {
   return new Rejection(refusal, describe, field);
 }
@@ -199,7 +177,6 @@ function rejection(refusal, describe, field) {
 const WIDEST_NUMBER = 53;
 const COARSE = 2 ** 51; // from here on, a quotient of doubles is too coarse for the nearest integer
 
-/** A type of the tables, with the functions that convert its raw integers. */
 class FieldType {
   constructor(table) {
     Object.assign(this, table);
@@ -225,29 +202,24 @@ class FieldType {
     this.mask = table.flags && [...this.bits.values()].reduce((mask, bit) => mask | bit, 0n);
   }
 
-  /** What the type is, for tools. */
   get description() {
     const { width, encoding, unit = null, enum: members = null, flags = null, linear, range, noValues = null, names = null } = this;
     return { width, encoding, unit, enum: members, flags, linear, range, noValues, names };
   }
 
-  /** An integer as the raw integers of this type are: a BigInt if the type has more than 53 bits. */
   integer(raw) {
     return this.isWide ? BigInt(raw) : Number(raw);
   }
 
-  /** The name for which a raw integer of a number has no value; null for a number. */
   noValue(raw) {
     const bits = this.noValues && this.isFloat && raw >= this.half ? this.integer(raw) - this.half : raw; // NaN of either sign
     return this.noValues?.find(([first, last]) => bits >= first && bits <= last)?.[2] ?? null;
   }
 
-  /** The name that a raw integer of a number has beside its value; null without one. */
   valueName(raw) {
     return this.names?.find(([named]) => named === raw)?.[1] ?? null;
   }
 
-  /** The value of a raw integer; null without one. */
   value(raw, parameters) {
     if (this.noValue(raw) !== null) {
       return null;
@@ -273,7 +245,6 @@ class FieldType {
     return Number.isFinite(value) ? value : null;
   }
 
-  /** Why a raw integer has no value. */
   reason(raw, parameters) {
     if (this.noValue(raw) !== null) {
       return "no_value";
@@ -285,7 +256,6 @@ class FieldType {
     return this.isFloat && !Number.isFinite(floatOf(this.width, raw)) ? "not_finite" : "out_of_range";
   }
 
-  /** The names of set bits; bits without a name follow as one integer. */
   flagsOf(raw) {
     const set = [];
     let rest = raw;
@@ -301,7 +271,6 @@ class FieldType {
     return Object.freeze(set);
   }
 
-  /** The raw integer nearest to a value, ties away from zero. Throws CodecError if the value is rejected. */
   raw(value, parameters, field) {
     if (this.members || this.bits) {
       return this.check(this.ofMembers(value, field), parameters, field, JSON.stringify(value, (_, item) => (typeof item === "bigint" ? String(item) : item)));
@@ -337,7 +306,6 @@ class FieldType {
     return this.check(raw, parameters, field, given);
   }
 
-  /** The raw integer that is written for a name of a number; null stands for the first one without a value. */
   ofName(value, field) {
     const name = value ?? this.noValues[0][2];
     if (!this.named.has(name)) {
@@ -346,14 +314,12 @@ class FieldType {
     return this.named.get(name);
   }
 
-  /** The number of an integer, which is rounded once. */
   exactFloat(value, line) {
     const above = value * line.divisor - line.addend;
     const sign = line.factor < 0n ? -1n : 1n;
     return (this.width === 32 ? toOdd : quotient)(above * sign, line.factor * sign);
   }
 
-  /** The raw integer of the name of an enum, of flags as names and integers, or of an integer. */
   ofMembers(value, field) {
     const unknown = (name) => this.outOfRange(JSON.stringify(name), NO_PARAMETERS, field);
     if (typeof value === "string" && this.members) {
@@ -378,7 +344,6 @@ class FieldType {
     return value;
   }
 
-  /** A raw integer itself. Throws CodecError if it is out of range, TypeError if it is no exact integer. */
   check(raw, parameters, field, given = `raw ${raw}`) {
     if (typeof raw !== "bigint" && !(Number.isInteger(raw) && (!this.isWide || Number.isSafeInteger(raw)))) {
       throw new TypeError(`${field} is no exact integer; integers from 2^53 on are BigInt`);
@@ -392,14 +357,12 @@ class FieldType {
     return this.integer(raw);
   }
 
-  /** The error of a value that is not allowed, with what is. */
   outOfRange(given, parameters, field) {
     const [values, raws] = this.limits(parameters);
     const range = [values, raws && (values ? `(raw ${raws})` : `raw ${raws}`)].filter(Boolean).join(" ");
     return new CodecError("out_of_range", `${field}=${given} is ${this.members || this.bits ? "none of" : "out of range"} ${range}`, field, [values, raws]);
   }
 
-  /** The names of values, or the range with its unit, and the range of raw integers; empty texts for what there is not. */
   limits(parameters) {
     if (this.members || this.bits) {
       return [[...(this.members?.values() ?? this.bits.keys())].join(", "), ""];
@@ -417,12 +380,10 @@ class FieldType {
     return [ends.includes(null) ? "" : `${ends.join("..")}${this.suffix}`, raws.join("..")];
   }
 
-  /** The unit behind a number. */
   get suffix() {
     return this.unit ? ` ${this.unit}` : "";
   }
 
-  /** Low and high bound of the specification as quotients; null for none. */
   bounds(parameters) {
     const range = this.range?.by ? own(this.range.cases, parameters[this.range.by]) : this.range;
     return range ? range.map((bound) => boundAt(bound, parameters)) : [null, null];
@@ -457,7 +418,6 @@ class FieldType {
     return (low === null || compare(value, low) >= 0) && (high === null || compare(value, high) <= 0);
   }
 
-  /** Scale and offset under some parameters, or the reason for which there is none. */
   line(parameters) {
     if (this.constantLine !== null) {
       return this.constantLine;
@@ -469,7 +429,6 @@ class FieldType {
     return this.lastLine;
   }
 
-  /** The parameter without which there is no scale. */
   missing(parameters) {
     const { by } = this.linear;
     return by && parameters[by] === undefined ? by : (by ? own(this.linear.cases, parameters[by]) : this.linear)?.times;
@@ -524,7 +483,6 @@ const TEXTS = {
   out_of_range: "needs a parameter above 0",
 };
 
-/** An item of an object by a name that can be that of a property of every object. */
 function own(object, name) {
   return Object.hasOwn(object, name) ? object[name] : undefined;
 }
@@ -543,7 +501,6 @@ function boundAt(bound, parameters) {
   return [above * divisor * denominator + factor * numerator * below, below * divisor * denominator];
 }
 
-/** (raw * factor + addend) / divisor, rounded once. */
 function scaled(number, line) {
   const integer = Number(number);
   if (line.isExact && Number.isSafeInteger(integer)) {
@@ -557,7 +514,6 @@ function scaled(number, line) {
   return quotient(numerator * line.factor + line.addend * denominator, denominator * line.divisor);
 }
 
-/** The raw number of a value in doubles, each operation rounded: 0.15 at a scale of 0.1 is 1.5. */
 function steps(value, line) {
   const given = line.times ? (value * line.times[1]) / line.times[0] : value;
   return ((given - line.offset) * line.denominator) / line.numerator;
@@ -568,7 +524,6 @@ function exactSteps(value, line) {
   return nearest(numerator * line.divisor - line.addend * denominator, denominator * line.factor);
 }
 
-/** A text in some bytes: it ends before the first 0, and before the padding at its end. An invalid byte is U+FFFD. */
 class JoinedText {
   constructor([encoding, padding]) {
     this.isAscii = encoding === "ascii";
@@ -603,7 +558,6 @@ class JoinedText {
   }
 }
 
-/** A number in decimal digits, from the most significant one on; null if a digit exceeds 9. */
 class JoinedDigits {
   value(raw) {
     return raw.some((digit) => digit > 9) ? null : Number(raw.join(""));
@@ -623,16 +577,13 @@ class JoinedDigits {
     return [...String(whole).padStart(count, "0")].map(Number);
   }
 }
-/** What the generated functions of editions share: checks of frames and of what is given, and messages. */
 
 
 
-/** The value of a counter in the next frame; `counter` is the first and the last value, as `MESSAGES` has them. */
 function nextCount([first, last], value) {
   return value >= first && value < last ? value + 1 : first;
 }
 
-/** So many increments lead from one value to another; 0 if they are equal, or if one of them is outside of the range. */
 function countSteps([first, last], previous, value) {
   const isWithin = [previous, value].every((count) => count >= first && count <= last);
   return isWithin ? (value - previous + last - first + 1) % (last - first + 1) : 0;
@@ -640,7 +591,6 @@ function countSteps([first, last], previous, value) {
 
 const NOTHING = /* @__PURE__ */ Object.freeze(/* @__PURE__ */ Object.create(null));
 
-/** The counters of one sender: those of each message to or from each node increase separately. */
 class Numbering {
   #edition;
   #sent = new Map();
@@ -649,7 +599,6 @@ class Numbering {
     this.#edition = edition;
   }
 
-  /** The message to send: the first of its command and node as it is, each further one with the next counters. */
   next(message) {
     const { direction, command, node, code, parameters } = message;
     const { fields } = this.#edition.MESSAGES.find((known) => known.direction === direction && known.command === command);
@@ -670,7 +619,6 @@ class Numbering {
   }
 }
 
-/** The functions of an edition; see `Edition` in canwright-codec.d.ts for its members. */
 function createEdition(parts) {
   const codec = new Codec(parts);
   const edition = {
@@ -723,7 +671,6 @@ class Codec {
     }
   }
 
-  /** Parameters as the functions of messages need them; the same object for equal ones. Throws TypeError for an unknown one, RangeError for a value that it cannot have. */
   known(parameters = NOTHING) {
     const names = Object.keys(parameters);
     const isSame = (name, i) => name === this.names[i] && parameters[name] === this.values[i];
@@ -749,7 +696,6 @@ class Codec {
     return Object.freeze(known);
   }
 
-  /** The message of a frame, or the error if it is none. */
   identify(direction, frame, parameters) {
     const routes = this.routes[direction];
     for (const { rule, message } of routes) {
@@ -764,7 +710,6 @@ class Codec {
     return unknownId(direction, frame);
   }
 
-  /** The function that decodes frames of one direction. It throws errors itself: each call between takes time. */
   decoder(direction) {
     return (given, parameters) => {
       const [frame, known] = [checkedFrame(given), this.known(parameters)];
@@ -817,7 +762,6 @@ class Codec {
     return field;
   }
 
-  /** The message that a frame is as the reply to a request. Throws CodecError if it is none. */
   answer(givenRequest, frame, parameters) {
     const request = checkedFrame(givenRequest);
     const message = this.identify("request", request, parameters);
@@ -836,7 +780,6 @@ class Codec {
     throw rejection("not_answer", () => [first ?? `${message.command} has no reply`]);
   }
 
-  /** The values of a field of a reply of several frames, in the order of their numbers; those of arrays in one array. */
   join(replies, field, last) {
     const message = this.ofCommand.reply.get(replies[0]?.command);
     const { frames } = message ?? {};
@@ -881,7 +824,6 @@ function number({ minimum = null, maximum = null, whole = false }, name, value) 
   return value;
 }
 
-/** Why a frame is not a reply to a request; empty if it is. */
 function reasonAgainst({ request: message, reply, nodes: repliers = [], asked, reported, echo }, request, frame, parameters) {
   const wrong = reply.difference(frame, parameters);
   if (wrong) {
@@ -903,12 +845,10 @@ function reasonAgainst({ request: message, reply, nodes: repliers = [], asked, r
   return "";
 }
 
-/** Whether a node is one of several in some bits, as far as it is known. */
 function isFrom(nodes, source, mask) {
   return source === null || !nodes.length || nodes.some((node) => source === node || !((BigInt(source) ^ BigInt(node)) & mask));
 }
 
-/** A copy of a frame with all its parts. Throws TypeError if it is none. */
 function checkedFrame({ id, data: given = [], extended = false, remote = false }) {
   const isBuffer = given?.length === undefined && given?.byteLength !== undefined; // an ArrayBuffer or a DataView
   const data = isBuffer ? new Uint8Array(given.buffer ?? given, given.byteOffset ?? 0, given.byteLength) : given;
@@ -923,7 +863,6 @@ function checkedFrame({ id, data: given = [], extended = false, remote = false }
   return { id, data: bytes, extended: Boolean(extended), remote: Boolean(remote) };
 }
 
-/** An array of what is no array: each kind has its own loop, which is faster. */
 function copied(data) {
   const bytes = new Array(data.length);
   for (let i = 0; i < data.length; i++) {
@@ -936,7 +875,6 @@ function hex(value) {
   return `0x${value.toString(16).toUpperCase()}`;
 }
 
-/** The value of a parameter in an id or a constant; undefined if it is not given. */
 function whole(parameters, name) {
   const value = parameters[name];
   if (value === undefined) {
@@ -946,7 +884,6 @@ function whole(parameters, name) {
   return Number(numerator / denominator);
 }
 
-/** The ids of messages; `mask` are bits of keys and fields. */
 class IdRule {
   constructor({ base, step = 1, parameter = null, times = 1, nodes = null, extended = false, remote = false, mask = 0 }) {
     Object.assign(this, { base, step, parameter, times, nodes, extended, remote, mask });
@@ -956,13 +893,11 @@ class IdRule {
     return this.extended === frame.extended && this.remote === frame.remote;
   }
 
-  /** The part of the id that is a parameter; undefined if that is not given. */
   offset(parameters) {
     const value = this.parameter === null ? 0 : whole(parameters, this.parameter);
     return value === undefined ? undefined : value * this.times;
   }
 
-  /** The node of a frame, null for a fixed id, undefined if the id is not of this rule. */
   node(frame, parameters) {
     const offset = this.isOfKind(frame) ? this.offset(parameters) : undefined;
     if (offset === undefined) {
@@ -977,7 +912,6 @@ class IdRule {
   }
 }
 
-/** The fields of messages; `values` are those of the parameter under which they are known. */
 class Layout {
   constructor({ parameter = null, values = [], fields }, types) {
     this.parameter = parameter;
@@ -1006,7 +940,6 @@ class Field {
     return this.only === null || this.only.includes(value);
   }
 
-  /** The raw integers of given values or raw integers. Throws CodecError. */
   given(given, parameters, isValue) {
     const convert = (element) => (isValue ? this.type.raw(element, parameters, this.name) : this.type.check(element, parameters, this.name));
     if (!this.isArray) {
@@ -1036,7 +969,6 @@ class Field {
     return { name: this.name, raw, value, unit: this.type.unit ?? null, reason, noValue, valueName };
   }
 
-  /** The name of a raw integer, or those of all elements of an array; null without any. */
   named(raw, nameOf) {
     if (!this.isArray) {
       return nameOf(raw);
@@ -1046,7 +978,6 @@ class Field {
   }
 }
 
-/** A request or a reply: what it is, and its generated functions. */
 class Definition {
   constructor(layouts, about, { hasKeys = () => true, nodeInData = null, check = () => {}, read, write }) {
     this.layout = layouts[about.layout];
@@ -1069,17 +1000,14 @@ class Definition {
     return { direction, command, base, step, nodes, extended, remote, length, keys, layout, parameter, fields, ...ofId, ...sending, ...(frames && { frames }) };
   }
 
-  /** The node in the id of a frame; null without one. */
   node(frame, parameters) {
     return this.rule.node(frame, parameters) ?? null;
   }
 
-  /** The node of a frame of this message: that in its id, or else in its data; null without one. */
   nodeOf(frame, parameters) {
     return this.nodeInData ? this.nodeInData(frame) : this.node(frame, parameters);
   }
 
-  /** The first difference between a frame and this message, as `{ refusal, text }`; null if the frame is this message. */
   difference(frame, parameters) {
     const wrong = (refusal, text) => ({ refusal, text: `this is no ${this.direction} of ${this.command}: ${text}` });
     if (this.rule.node(frame, parameters) === undefined) {
@@ -1092,17 +1020,14 @@ class Definition {
     return this.hasKeys(frame) ? null : wrong("unknown_code", "the code differs");
   }
 
-  /** A frame of this message with its fields. Throws CodecError for a wrong constant or checksum, or if the fields are unknown. */
   decode(frame, parameters) {
     return this.read(frame, this.nodeOf(frame, parameters), parameters);
   }
 
-  /** The error if the parameter that decides on the fields is not given. */
   undetermined() {
     return new CodecError("missing_parameter", `the fields of ${this.command} depend on ${this.layout.parameter}, which is not given`);
   }
 
-  /** The fields that have values under some parameters. Throws CodecError if these do not determine the fields. */
   fields(parameters) {
     const { parameter, values, every } = this.layout;
     if (parameter !== null && !values.includes(parameters[parameter])) {
@@ -1112,13 +1037,11 @@ class Definition {
   }
 }
 
-/** What a program gives for a message; the encoder of the message asks for each part. */
 class Given {
   constructor(message, { node = null, values, raw, code }, parameters) {
     Object.assign(this, { message, node, values, raw, code, parameters });
   }
 
-  /** Throws CodecError if no node with these parameters has the command. */
   checkAvailable(name, values) {
     const value = this.parameters[name];
     if (value !== undefined && !values.includes(value)) {
@@ -1126,7 +1049,6 @@ class Given {
     }
   }
 
-  /** The code of the frame. Throws CodecError if a code is given that the message cannot have. */
   codeOf(codes) {
     if (this.code !== undefined && !codes.includes(this.code)) {
       const { direction, command } = this.message;
@@ -1135,7 +1057,6 @@ class Given {
     return this.code ?? codes[0];
   }
 
-  /** Throws TypeError without a node, CodecError if there is no such node. */
   checkNode(first, last) {
     if (!Number.isInteger(this.node)) {
       throw new TypeError(`${this.message.command} needs a node from ${first}..${last}`);
@@ -1145,14 +1066,12 @@ class Given {
     }
   }
 
-  /** Throws CodecError without the parameter in the id. */
   checkParameter(name) {
     if (this.parameters[name] === undefined) {
       throw new CodecError("missing_parameter", `the id of ${this.message.command} contains ${name}, which is not given`);
     }
   }
 
-  /** The raw integers of all fields, by name. Throws TypeError for missing or other fields, CodecError for invalid content. */
   raws(names) {
     const { values, raw, parameters, message } = this;
     const given = values ?? raw ?? NOTHING;
@@ -1164,7 +1083,6 @@ class Given {
     return Object.fromEntries(fields);
   }
 
-  /** The frame of an id without its node and its parameter, and of data. */
   frame(filled, data) {
     const { rule } = this.message;
     const id = rule.base + (rule.nodes ? this.node : 0) * rule.step + rule.offset(this.parameters);
@@ -1172,14 +1090,12 @@ class Given {
   }
 }
 
-/** Throws CodecError if a frame has another raw integer in a constant. */
 function checkConstant(found, raw, name) {
   if (found !== raw) {
     throw rejection("wrong_constant", () => [`the constant ${name} is not ${raw}`, name, raw], name);
   }
 }
 
-/** The raw integer of a constant that is a parameter. Throws CodecError if that is not given. */
 function required(parameters, parameter, name) {
   const value = whole(parameters, parameter);
   if (value === undefined) {
@@ -1188,7 +1104,6 @@ function required(parameters, parameter, name) {
   return value;
 }
 
-/** The function of a checksum, computed in a register of `width` bits: its poly and its init are aligned to the register. */
 function checksum({ arithmetic, width, poly = 0, init = 0, reflected = false, shift = 0, xor = 0 }) {
   const shifted = (register) => {
     const out = reflected ? register & 1 : (register >>> (width - 1)) & 1;
@@ -1208,7 +1123,6 @@ function checksum({ arithmetic, width, poly = 0, init = 0, reflected = false, sh
   return (bytes) => ((bytes.reduce(next, init) >>> shift) ^ xor) >>> 0;
 }
 
-/** Throws CodecError if a field is not the checksum of its frame. */
 function checkChecksum(found, computed, name) {
   if (found !== computed) {
     const text = () => `${name} is ${hex(found)}, but the checksum of this frame is ${hex(computed)}`;
@@ -1216,36 +1130,30 @@ function checkChecksum(found, computed, name) {
   }
 }
 
-/** The error of a frame that receivers identify as another message. */
 function wrongMessage({ direction, command }, meant, { data }) {
   const bytes = Array.from(data, (byte) => byte.toString(16).padStart(2, "0")).join(" ").toUpperCase();
   return new CodecError("wrong_message", `the ${direction} of ${command} with these values is that of ${meant}: ${bytes}`);
 }
 
-/** The error of a frame of which no message has the length. */
 function wrongLength({ id, data }, lengths) {
   return rejection("wrong_length", () => [`${hex(id)} has ${data.length} data bytes, not ${lengths.join(" or ")}`, hex(id), data.length, lengths]);
 }
 
-/** The error of a frame of which no message has the codes. */
 function unknownCode({ id }, direction, values) {
   const codes = () => values.map(hex);
   return rejection("unknown_code", () => [`no ${direction} on ${hex(id)} has the code ${codes().join(" and ")}`, hex(id), codes()]);
 }
 
-/** The error of a frame with an id of no message. */
 function unknownId(direction, { id, extended, remote }) {
   const kind = (extended ? "29-bit " : "") + (remote ? "remote " : "");
   const digits = () => id.toString(16).toUpperCase().padStart(extended ? 8 : 3, "0");
   return rejection("unknown_id", () => [`no ${direction} has the ${kind}id ${hex(id)}`, `0x${digits()}${remote ? " RTR" : ""}`]);
 }
 
-/** The error of a frame with bits in its id that only other messages fill. */
 function unusedBits({ id }) {
   return rejection("unknown_id", () => [`${hex(id)} has bits that are 0 in the ids of this message`, hex(id)]);
 }
 
-/** What objects with BigInt inherit, so that JSON has them. */
 const EXACT = /* @__PURE__ */ (() => {
   const toJSON = {
     value() {
@@ -1255,7 +1163,6 @@ const EXACT = /* @__PURE__ */ (() => {
   return Object.create(Object.prototype, { toJSON });
 })();
 
-/** A frame with its meaning; immutable. */
 class MessageResult {
   #message;
   #frame;
@@ -1292,13 +1199,11 @@ class MessageResult {
   }
 }
 
-/** The object, frozen and without BigInt in JSON. */
 function forJSON(object) {
   const isOwn = Object.values(object).flat().some((item) => typeof item === "bigint");
   return Object.freeze(isOwn ? Object.defineProperty(object, "toJSON", { value: () => withoutBigInt(object) }) : object);
 }
 
-/** A value for JSON: a BigInt is a number if that is exact, otherwise text. */
 function withoutBigInt(value) {
   if (typeof value === "bigint") {
     return Number.isSafeInteger(Number(value)) ? Number(value) : String(value);

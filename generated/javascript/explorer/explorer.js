@@ -13,7 +13,7 @@
   let interpretations = [];
   let chosen = null;
   let field = "";
-  let log = { frames: [], skipped: 0, start: 0 };
+  let log = { frames: [], start: 0 };
   let listing = { basis: "" }; // what the rows of the log depend on; another object for each listing
 
   const at = (id) => document.getElementById(id);
@@ -136,14 +136,12 @@
   /** Shows a frame that was composed. */
   function use(frame) {
     state.frame = frames.format(frame);
-    at("frame").value = state.frame;
     update();
   }
 
   /** Shows what a text can mean, the most probable message first. */
   function take(given) {
     Object.assign(state, { frame: given, direction: "", command: "" });
-    at("frame").value = given;
     update();
   }
 
@@ -154,7 +152,7 @@
 
   /** Reads a log in parts, between which the page answers. The file that was opened last is shown. */
   async function openLog(file, parseOne = frames.parseLine) {
-    const opened = { frames: [], skipped: 0, start: 0, name: file.name, percent: 0 };
+    const opened = { frames: [], marks: new Set(), skipped: 0, errors: 0, start: 0, name: file.name, percent: 0 };
     const decoder = new TextDecoder();
     let rest = "";
     log = opened;
@@ -167,36 +165,46 @@
       const lines = (rest + decoder.decode(bytes, { stream: end < file.size })).split(/\r?\n/);
       rest = end < file.size ? lines.pop() : "";
       const before = opened.frames.length;
-      opened.skipped += frames.parseLines(lines, opened.frames, parseOne);
+      const parseRow = end === PART && frames.tableParser(lines[0] ?? "");
+      if (parseRow) {
+        parseOne = parseRow;
+        lines.shift();
+      }
+      frames.parseLines(lines, opened, parseOne);
       if (before < PAGE || opened.percent === 100) {
         showLog(); // the rows of a page stay as they are
       } else {
         showProgress();
       }
-      if (before === 0 && opened.frames.length) {
+      const isFirst = before === 0 && opened.frames.length > 0;
+      if (isFirst || (opened.percent === 100 && !opened.frames.length)) {
         await pause();
         if (log === opened) {
-          take(frames.withMark(opened.frames[0]));
+          take(isFirst ? frames.withMark(marked(opened.frames[0])) : "");
         }
       }
     }
   }
 
-  /** Shows lines that were pasted: a log, or else one frame on several lines. */
+  /** Shows lines that were pasted: a log, or else one frame on several lines, such as a list of C. */
   function openText(content) {
     const lines = content.trim().split(/\r?\n/);
-    if (lines.length > 1 && lines.some(frames.parsePasted)) {
-      openLog(new File([content], say("clipboard")), frames.parsePasted);
+    const isRefused = () => !/[{[]/.test(content) && frames.parse(lines.join(" ")).problem;
+    if (lines.length > 1 && (frames.tableParser(lines[0]) || lines.some(frames.parsePasted) || isRefused())) {
+      openLog(new File([content.trim()], say("clipboard")), frames.parsePasted);
     } else {
       take(lines.join(" "));
     }
   }
 
   function showProgress() {
-    const { frames: all, skipped, start, name, percent } = log;
-    const isOther = percent === 100 && !all.length;
+    const { frames: all, skipped, errors, start, name, percent } = log;
+    const isOther = percent === 100 && !all.length && !errors;
     const progress = percent < 100 ? ` ${say("log_read", percent)}` : "";
-    at("log-summary").textContent = say("log_summary", name, all.length, skipped) + progress + (isOther ? ` ${say("other_log")}` : "");
+    const counts = say("log_summary", name, all.length, skipped) + (errors ? say("log_errors", errors) : "");
+    at("log-summary").textContent = isOther ? say("case", name, say("other_log")) : counts + progress;
+    at("log-summary").className = isOther ? "problem" : "note";
+    at("log-table").hidden = isOther;
     at("log-position").textContent = all.length ? `${start + 1}–${Math.min(start + PAGE, all.length)} / ${all.length}` : "";
     at("log-previous").disabled = start === 0;
     at("log-next").disabled = start + PAGE >= all.length;
@@ -215,6 +223,7 @@
   async function showRows() {
     const shown = log.frames.slice(log.start, log.start + PAGE);
     const current = { basis: basis() };
+    at("log-table").classList.toggle("unmarked", shown.every(({ sent }) => sent === null));
     listing = current;
     for (let i = 0; i < shown.length; i += GROUP) {
       await pause();
@@ -232,14 +241,20 @@
     return JSON.stringify([state.edition, state.parameters]);
   }
 
+  /** A frame with the mark of the recorder, which decides nothing in a log where every frame is received. */
+  function marked(frame) {
+    return log.marks.has(true) ? frame : { ...frame, sent: null };
+  }
+
   function row(frame) {
-    const [best] = meaning.interpret(frame, state.parameters, state.edition);
+    const [best] = meaning.interpret(marked(frame), state.parameters, state.edition);
     const button = make("button", { type: "button" }, frames.format(frame));
-    button.addEventListener("click", () => take(frames.withMark(frame)));
+    button.addEventListener("click", () => take(frames.withMark(marked(frame))));
     const mark = frame.sent === null ? "" : say(frame.sent ? "sent" : "received");
     const [neighbour] = meaning.neighbours(frame);
     const what = best ? `${titleOf(best)} · ${say(best.decoded.direction)}` : text(neighbour?.title, say("no_message"));
-    return make("tr", {}, make("td", {}, frame.time), make("td", {}, mark), make("td", {}, button), make("td", {}, what));
+    const cells = [frame.time, mark, button, what, best ? summary(best) : ""];
+    return make("tr", {}, ...cells.map((content) => make("td", {}, content)));
   }
 
   function turn(step) {
@@ -311,6 +326,7 @@
       showComparison();
       showCode();
     }
+    at("frame").value = state.frame;
   }
 
   function showFound() {
@@ -328,13 +344,12 @@
       if (deviation) {
         facts.push(say(deviation));
       }
-      const values = decoded.fields.map((result) => `${result.name} ${shown(result)}`).join(", ");
       const button = make(
         "button",
         { type: "button", "aria-pressed": String(interpretation === chosen) },
         make("strong", {}, titleOf(interpretation)),
         make("span", {}, facts.join(" · ")),
-        make("small", {}, values),
+        make("small", {}, summary(interpretation)),
       );
       button.addEventListener("click", () => select(interpretation));
       return make("li", {}, button);
@@ -346,13 +361,35 @@
     }
   }
 
+  /** The values of a message in short. */
+  function summary(interpretation) {
+    const value = (result) => {
+      const { title, texts } = described(interpretation, result.name);
+      return `${called(title, result.name)} ${shown(result, texts)}`;
+    };
+    return interpretation.decoded.fields.map(value).join(say("listed"));
+  }
+
+  /** A name of the spec, which is English, or its title in another language. */
+  function called(title, name) {
+    return state.lang === "en" ? name : text(title, name);
+  }
+
+  /** A field in the tables of an edition: its description, its title, and the texts of its type. */
+  function described({ edition, message }, name) {
+    const position = message.fields.findIndex((each) => each.name === name);
+    const { title, type } = edition.texts.layouts[message.layout][position];
+    return { description: message.fields[position], title, texts: edition.texts.types[type] };
+  }
+
   /** A value with its unit and name; the raw integer if there is no value. */
-  function shown({ raw, value, unit, reason, noValue, valueName }) {
+  function shown({ raw, value, unit, reason, noValue, valueName }, { members }) {
+    const member = (name) => (Array.isArray(name) ? name.map(member) : typeof name === "string" ? called(members?.[name], name) : name);
     if (typeof noValue === "string") {
-      return noValue;
+      return member(noValue);
     }
-    const name = typeof valueName === "string" ? ` (${valueName})` : "";
-    return (reason === null ? inUnit(value, unit) : `${say("raw")} ${listed(raw)}`) + name;
+    const name = typeof valueName === "string" ? ` (${member(valueName)})` : "";
+    return (reason === null ? inUnit(member(value), unit) : `${say("raw")} ${listed(raw)}`) + name;
   }
 
   function inUnit(value, unit) {
@@ -496,29 +533,27 @@
   // Fields
 
   function showFields() {
-    const { edition, message, decoded } = chosen;
+    const { message, decoded } = chosen;
     at("node-box").hidden = message.nodes === null; // then a field contains the node, or none does
     at("node").value = decoded.node ?? "";
     at("node").removeAttribute("aria-invalid");
-    at("field-problem").textContent = "";
     const rows = decoded.fields.map((result) => {
-      const position = message.fields.findIndex(({ name }) => name === result.name);
-      const description = message.fields[position];
-      const { title, type } = edition.texts.layouts[message.layout][position];
+      const { description, title, texts } = described(chosen, result.name);
       const button = make("button", { type: "button", dataset: { field: result.name }, "aria-pressed": "false" }, result.name);
       button.addEventListener("click", () => highlight(field === result.name ? "" : result.name));
       const row = make(
         "tr",
         { dataset: { field: result.name } },
         make("th", { scope: "row" }, button, make("small", {}, text(title))),
-        make("td", { dataset: { title: say("value") } }, valueInput(result, description, edition.texts.types[type])),
+        make("td", { dataset: { title: say("value") } }, valueInput(result, description, texts)),
         make("td", { dataset: { title: say("raw_integer") } }, rawInput(result)),
-        make("td", {}, facts(description, edition, edition.texts.types[type], result)),
+        make("td", {}, facts(description, chosen.edition, texts, result)),
       );
       row.addEventListener("focusin", () => highlight(result.name));
       return row;
     });
     at("fields").replaceChildren(...rows);
+    at("field-problem").textContent = ""; // of an input that was replaced
     at("field-table").hidden = !rows.length;
     at("no-fields").hidden = rows.length > 0;
     highlight(field);
@@ -614,7 +649,7 @@
     return isArray ? given.trim().split(/[\s,]+/).map(parsed) : parsed(given.trim());
   }
 
-  /** Encodes the message with another value of one field, or for another node, and shows the frame; without one, no code is offered. */
+  /** Encodes the message with another value of one field, or for another node, and shows the frame; without one, there is nothing to copy. */
   function enter(name, { value, raw, node }, input) {
     if (!chosen) {
       return; // the address lost its frame, which hides an input that has changed
@@ -634,6 +669,7 @@
       at("field-problem").textContent = say("refused", error.field || name || say("node_number"), reason, accepted && ` (${accepted})`);
       input?.setAttribute("aria-invalid", "true");
       at("code").hidden = true;
+      at("frame").value = "";
     }
   }
 
@@ -675,10 +711,8 @@
     if (!result) {
       return "–";
     }
-    const { edition, message } = interpretation;
-    const position = message.fields.findIndex((field) => field.name === name);
-    const { type } = edition.texts.layouts[message.layout][position];
-    return `${shown(result)} · ${facts(message.fields[position], edition, edition.texts.types[type], result)}`;
+    const { description, texts } = described(interpretation, name);
+    return `${shown(result, texts)} · ${facts(description, interpretation.edition, texts, result)}`;
   }
 
   // Code
@@ -724,7 +758,6 @@
     readAddress();
     showLanguage();
     showParameters();
-    at("frame").value = state.frame;
     showLog();
     update();
   }

@@ -225,6 +225,7 @@ canwright.meaning = (() => {
     const differs = deviation(edition, message, decoded, assumed);
     const isAnnounced = edition.texts.commands[command].implemented === false;
     const isOpposite = frame.sent !== undefined && frame.sent !== null && frame.sent !== (direction === "request");
+    const isZero = Object.values(raw).flat().every((integer) => Number(integer) === 0);
     const penalty = { reserved: 3, range: 2 }[differs] ?? 0;
     return {
       edition,
@@ -234,7 +235,8 @@ canwright.meaning = (() => {
       parameters,
       assumed,
       deviation: isAbsent ? "absent" : differs,
-      rank: [penalty + (isAnnounced ? 4 : 0) + (isAbsent ? 5 : 0), -determined(message, decoded), isOpposite ? 1 : 0], // many recorders mark every frame as received
+      // many recorders mark every frame as received, so the mark decides among equals, or where all values are 0
+      rank: [penalty + (isAnnounced ? 4 : 0) + (isAbsent ? 5 : 0), isOpposite && isZero ? 1 : 0, -determined(message, decoded), isOpposite ? 1 : 0],
     };
   }
 

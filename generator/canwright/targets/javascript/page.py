@@ -100,9 +100,10 @@ def _pages(edition: Edition) -> dict[str, Value]:
 
 
 def _classic_codec() -> str:
-    """The modules of the runtime as one script, which defines `canwright`."""
+    """The modules of the runtime as one script, which defines `canwright`; the modules beside it have the comments."""
     sources = [(RUNTIME / name).read_text("utf-8") for name in _MODULES]
-    plain = (re.sub(r"^import .*;\n|^export \{.*\};\n|^export ", "", source, flags=re.MULTILINE) for source in sources)
+    of_modules = re.compile(r"^import .*;\n|^export \{.*\};\n|^export |^ */\*\*[\s\S]*?\*/\n", re.MULTILINE)
+    plain = (of_modules.sub("", source) for source in sources)
     names = f"CodecError, rational, {HELPERS}, MAX_DATA_BYTES: {MAX_DATA_BYTES}, editions: []"
     return f'"use strict";\n\nconst canwright = (() => {{\n{"".join(plain)}\nreturn {{ {names} }};\n}})();\n'
 

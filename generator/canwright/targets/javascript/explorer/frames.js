@@ -1,6 +1,6 @@
 "use strict";
 
-/** Reads frames from texts: lines of cansend, candump, ASC and their logs, or what people paste; writes them as cansend does. */
+/** Reads frames from texts: lines of cansend, candump, ASC and their logs, tables, or what people paste; writes them as cansend does. */
 canwright.frames = (() => {
   const CANSEND = /(?:^|\s)(?:0x)?([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})\s*#(?:#[0-9A-Fa-f])?\s*(R\d?|(?:[0-9A-Fa-f]{2}[\s.]*)*)(?=\s|$)/;
   const CANDUMP = /(?:^|\s)([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})\s+\[(\d+)\]\s*(remote request|(?:[0-9A-Fa-f]{2}(?:\s+|$))*)/i;
@@ -13,6 +13,21 @@ canwright.frames = (() => {
   // Lines of other logs: slcan; PCAN, whose lines have a number, a time and perhaps a type and a bus
   const SLCAN = /^\s*(?:t([0-9A-F]{3})|T([0-9A-F]{8}))([0-8])((?:[0-9A-F]{2})*)$/;
   const PCAN = /^\s*\d+\)?\s+\d+\.\d+\s+(?:[A-Z]{2}\s+)?(?:\d+\s+)?(?:([0-9A-F]{4,8})\s+)?(Rx|Tx)\s+(?:([0-9A-F]{4,8})\s+)?(?:-\s+)?(\d+)((?:\s+[0-9A-F]{2})*)\s*$/;
+
+  // Error frames: of candump, whose ids have bit 29; of ASC; of PCAN; as python-can prints them
+  const ERROR = /(?:^|\s)[23][0-9A-F]{7}(?:#|\s+\[)|error ?frame|错误帧|^\s*\d+\)?\s+\d+\.\d+\s+(?:\d+\s+)?(?:ER|Error)\b|\sE\s.*\bDLC?:/i;
+
+  // Names of the columns of a table
+  const COLUMNS = {
+    time: /^time|时间/,
+    id: /^(?:can[ _]?|arbitration_|message[ _]?|帧)?id(?:entifier|号|\s?[(（]\D*)?$|^标识符$/,
+    extended: /^(?:is_)?ext/,
+    remote: /remote|rtr/,
+    error: /^(?:is_)?error/,
+    length: /^(?:dlc|len)|长度/,
+    data: /^(?:(?:d|b|byte)[ _]?[01]|(?:data|payload|数据)[ _]?[01]?)(?:\s?[(（]\D*)?$/,
+  };
+  const BASE64 = /^(?:[a-z\d+/]{4})*(?:[a-z\d+/]{2}==|[a-z\d+/]{3}=)?$/i;
 
   // Notations that people paste
   const WIDE = /[\uff01-\uff5e]/g; // full-width characters
@@ -190,13 +205,19 @@ canwright.frames = (() => {
     const digits = id ? id.token.replace(/^0x/i, "") : "";
     const isDecimal = isOfC && bytes.some(({ token }) => /^\d{3}u?$/.test(token)) && !/0x/i.test(line); // as ROS prints messages
     const number = id ? parseInt(digits, isDecimal ? 10 : 16) : null;
-    const isLong = digits.length === 8 || (digits.length > 3 && number > 0x7ff);
-    const extended = EXTENDED.test(line) || (isLong && !STANDARD.test(line));
-    const sent = /\btx\b|发送/i.test(line) ? true : /\brx\b|接收/i.test(line) ? false : null;
-    const frame = pasted(number, content, extended, sent);
+    const frame = pasted(number, content, isExtended(line, digits, number), sentIn(line));
     const damaged = damage(frame);
     const column = damaged?.[0] === "bad_id" ? id.column : bytes[0].column;
     return damaged ? { problem: [damaged[0], column, damaged[1]] } : { frame };
+  }
+
+  function isExtended(line, digits, id) {
+    const isLong = digits.length === 8 || (digits.length > 3 && id > 0x7ff);
+    return EXTENDED.test(line) || (isLong && !STANDARD.test(line));
+  }
+
+  function sentIn(line) {
+    return /\btx\b|发送/i.test(line) ? true : /\brx\b|接收/i.test(line) ? false : null;
   }
 
   function wrongToken({ token, column }) {
@@ -255,18 +276,54 @@ canwright.frames = (() => {
     return isShort && BYTE.test(tokens[0]) && (plain.some((token) => /[a-f]/i.test(token)) || !plain.some((token) => /^[1-9]\d$/.test(token)));
   }
 
-  /** Adds the frames of some lines to others; returns how many lines have none. `parseOne` returns the frame of a line, or null. */
-  function parseLines(lines, frames, parseOne = parseLine) {
-    let skipped = 0;
-    for (const line of lines) {
-      const frame = line.trim() ? parseOne(line) : undefined;
+  /**
+   * Adds lines to a log: its frames with their marks, and how many other lines it has. `parseOne` returns the frame of a line, null
+   * for a line without one, or false for an error frame.
+   */
+  function parseLines(lines, log, parseOne) {
+    for (const line of lines.filter((each) => each.trim())) {
+      const frame = !ERROR.test(line) && parseOne(line);
       if (frame) {
-        frames.push(frame);
-      } else if (frame === null) {
-        skipped += 1;
+        log.frames.push(frame);
+        log.marks.add(frame.sent);
+      } else {
+        log[frame === null ? "skipped" : "errors"] += 1;
       }
     }
-    return skipped;
+  }
+
+  /** Reads the lines of a table whose first line names its columns, as `parseLines` expects; null without an id and data. */
+  function tableParser(header) {
+    const separator = /[;\t]/.exec(header)?.[0] ?? ",";
+    const cellsOf = (line) => line.split(separator).map((cell) => cell.replace(/"/g, "").trim());
+    const names = cellsOf(header.toLowerCase());
+    const at = Object.fromEntries(Object.entries(COLUMNS).map(([column, name]) => [column, names.findIndex((each) => name.test(each))]));
+    const isSpread = /\d$/.test(names[at.data]) || at.data === names.length - 1; // bytes can have a cell each
+    let form = null; // without lengths, the first line decides
+    const bytesOf = (content, length) => {
+      const forms = [
+        /^(?:(?:0x)?[\da-f]{2}[\s.-]*)*$/i.test(content) && numbers(content.replace(/0x/gi, "")),
+        names[at.id] === "arbitration_id" && BASE64.test(content) && Array.from(atob(content), (byte) => byte.charCodeAt(0)), // of python-can
+      ];
+      form ??= forms[0] ? 0 : forms[1] ? 1 : null;
+      return length ? forms.find((bytes) => bytes && bytes.length === Number(length)) : forms[form];
+    };
+    const parseOne = (line) => {
+      const cells = cellsOf(line);
+      const cell = (column) => cells[at[column]] ?? "";
+      const flag = (column) => /^(?:1|true|x)$/i.test(cell(column));
+      if (flag("error")) {
+        return false;
+      }
+      const digits = cell("id").replace(/^0x|h$/gi, "");
+      const id = /^[\da-f]+$/i.test(digits) ? parseInt(digits, 16) : NaN;
+      const length = cell("length");
+      const content = isSpread ? cells.slice(at.data, at.data + (Number(length) || 64)).join(" ").trim() : cell("data");
+      const data = flag("remote") ? [] : bytesOf(content, length);
+      const extended = cell("extended") ? flag("extended") : isExtended(line, digits, id);
+      return data && id >= 0 && !damage({ id, data, extended }) ? { id, data, extended, remote: flag("remote"), time: cell("time"), sent: sentIn(line) } : null;
+    };
+    return at.id < 0 || at.data < 0 ? null : parseOne;
   }
 
   /** The frame of a pasted line that has an id; null for another line. */
@@ -288,5 +345,5 @@ canwright.frames = (() => {
     return format(frame) + (typeof frame.sent === "boolean" ? (frame.sent ? " T" : " R") : "");
   }
 
-  return { parse, parseLine, parseLines, parsePasted, format, withMark, hex };
+  return { parse, parseLine, parseLines, parsePasted, tableParser, format, withMark, hex };
 })();
