@@ -17,7 +17,10 @@ from xml.etree import ElementTree
 import markdown as python_markdown
 import pytest
 from canwright.model import formatting
+from canwright.model.message import Direction
 from canwright.project.loader import specification
+from canwright.semantics.decoder import Decoded, Decoder
+from canwright.semantics.frame import CanFrame
 from canwright.targets.docs.target import DocsTarget
 from canwright.templating.data_files import read_data
 from canwright.templating.markup import markdown
@@ -55,7 +58,7 @@ def test_every_link_leads_somewhere(pages: dict[str, str]) -> None:
                 assert re.match(
                     r"frame=[0-9A-F]+%23[0-9A-F]*&edition=v2.35&direction=(request|reply)&command=\w+", anchor
                 )
-            linked = posixpath.normpath(posixpath.join(posixpath.dirname(path), file))
+            linked = posixpath.normpath(posixpath.join(posixpath.dirname(path), file)) if file else path
             if linked.startswith("../"):
                 assert (ROOT / "generated/docs" / linked).exists(), f"{path}: {link}"
                 continue
@@ -362,6 +365,25 @@ def test_a_question_links_a_command_with_its_code_in_each_edition() -> None:
         "- `0xB0` `read_control_parameter`: [v2.35-2024-02](v2.35-2024-02/commands/read_control_parameter.md)\n" in text
     )
     assert "- `0xC0` `read_control_parameter`: [v2.36-2024-11](v2.36-2024-11/commands/" in text
+
+
+def test_a_frame_of_one_edition_is_no_frame_of_another_one() -> None:
+    """`141#8C00000000000000` is a reply of one edition and the request of two others."""
+    text = (ROOT / "generated/docs/en/which-edition.md").read_text("utf-8").partition("## Frames of one edition")[2]
+    rows = re.findall(r"^\| \[(v[^]]+)\]\S+ \| `(\w+)#(\w+)` \|", text, re.MULTILINE)
+    editions = {name: specification(ROOT / f"spec/mwd_motor/{name}.yaml").edition for name, _, _ in rows}
+    assert len(rows) == len(editions) == 4
+    devices = [{}, *({"series": "MG", "encoder_bits": bits} for bits in ("14", "15", "16", "18"))]
+    for name, number, data in rows:
+        frame = CanFrame(int(number, 16), bytes.fromhex(data))
+        ways = itertools.product(editions.items(), Direction, devices)
+        decoding = {
+            (decoder, direction)
+            for (decoder, edition), direction, device in ways
+            if isinstance(Decoder(edition).decode(direction, frame, device), Decoded)
+        }
+        assert {decoder for decoder, _ in decoding} == {name}
+        assert (name, Direction.REPLY) in decoding
 
 
 def test_questions_are_texts_in_each_language() -> None:

@@ -2547,9 +2547,9 @@ static inline canwright_status_t mwd_motor_v2_35_write_pid_ram_reply_decode(
  *
  * The reply is the request, sent back.
  *
- * Erratum (2.15, 2.19, 2.20): A warning of ROM wear is given for 0x19 only. 0x32 and 0x91 write to the ROM without
- * this warning. Used here: All three commands have the effect wears_rom. All three write to the ROM. Do not send 0x32
- * or 0x91 in a loop.
+ * Erratum (2.15, 2.19, 2.20): The notes on ROM wear and on the power cycle are given for 0x19 only. 0x32 and 0x91
+ * write to the ROM without them. Used here: All three commands have the effect wears_rom. Only 0x19 is marked with
+ * the power cycle. All three write to the ROM. Do not send 0x32 or 0x91 in a loop.
  * @{
  */
 #define MWD_MOTOR_V2_35_WRITE_PID_ROM_CODE 0x32u /**< Identifies the command in a frame. */
@@ -2923,9 +2923,9 @@ static inline canwright_status_t mwd_motor_v2_35_read_encoder_reply_decode(
  *
  * The reply is the request, sent back.
  *
- * Erratum (2.15, 2.19, 2.20): A warning of ROM wear is given for 0x19 only. 0x32 and 0x91 write to the ROM without
- * this warning. Used here: All three commands have the effect wears_rom. All three write to the ROM. Do not send 0x32
- * or 0x91 in a loop.
+ * Erratum (2.15, 2.19, 2.20): The notes on ROM wear and on the power cycle are given for 0x19 only. 0x32 and 0x91
+ * write to the ROM without them. Used here: All three commands have the effect wears_rom. Only 0x19 is marked with
+ * the power cycle. All three write to the ROM. Do not send 0x32 or 0x91 in a loop.
  * @{
  */
 #define MWD_MOTOR_V2_35_WRITE_ENCODER_OFFSET_ROM_CODE 0x91u /**< Identifies the command in a frame. */

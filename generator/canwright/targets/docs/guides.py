@@ -58,7 +58,7 @@ class Telling(NamedTuple):
 
 
 def telling_frames(listed: Sequence[tuple[str, Common]]) -> Iterator[Telling]:
-    """For each edition the first shown reply that no other edition of its family decodes, if there is one."""
+    """For each edition the first shown reply that no other edition of its family decodes, also not as a request."""
     for folder, common in listed:
         decoders = [Decoder(member.edition) for _, member in listed if member.edition.family == common.edition.family]
         decoders = [decoder for decoder, (_, member) in zip(decoders, listed, strict=False) if member is not common]
@@ -78,7 +78,7 @@ def telling_frames(listed: Sequence[tuple[str, Common]]) -> Iterator[Telling]:
 
 def _is_rejected(decoder: Decoder, frame: Any) -> bool:
     sent = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
-    return isinstance(decoder.decode(Direction.REPLY, sent, frame.parameters), Rejection)
+    return all(isinstance(decoder.decode(way, sent, frame.parameters), Rejection) for way in Direction)
 
 
 class Length(NamedTuple):

@@ -32,7 +32,7 @@ from ...model.message import (
     OwnReply,
     SharedReply,
 )
-from ...model.types import Assignment, Encoding, Text, Type
+from ...model.types import Assignment, Encoding, Member, Text, Type
 from ...semantics.frame import sent_id_rule
 from ...semantics.plan import message_plan
 from ...templating.markup import code, markdown
@@ -163,9 +163,16 @@ def _members(type_: Type, labels: Labels) -> str:
     members = type_.enum or type_.flags or type_.names
     if not members or len(members) > MAX_MEMBERS:
         return without
-    listed = " · ".join(f"{code(str(member.value))} {code(member.name)}" for member in members)
+    listed = " · ".join(f"{code(member_value(type_, member))} {code(member.name)}" for member in members)
     label = labels["bits"] if type_.flags else labels["named"] + labels["colon"] if type_.names else ""
     return f"{without}<br>{label}{listed}"
+
+
+def member_value(type_: Type, member: Member) -> str:
+    """The value of a member; of a named value in hexadecimal, as manuals print bytes, where one has several digits."""
+    values = [named.value for named in type_.enum]
+    is_byte = bool(values) and min(values) >= 0 and 9 < max(values) <= 0xFF
+    return f"0x{member.value:02X}" if is_byte else str(member.value)
 
 
 def _manual_names(field: Field, count: int) -> Sequence[str]:
