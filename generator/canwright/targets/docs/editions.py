@@ -109,6 +109,10 @@ def by_command(editions: Sequence[tuple[str, Edition]]) -> Mapping[tuple[str, st
     return having
 
 
+PLACES = {"section-changed", "erratum-moved"}
+"""Changes of where a manual states something, which each page of the edition has; there are dozens when sections get other numbers."""
+
+
 def changes(
     old: Edition, differences: Sequence[Change], language: str, labels: Mapping[str, str], wording: Wording
 ) -> Changes:
@@ -120,6 +124,7 @@ def changes(
     def is_document(change: Change) -> bool:
         return change.rule.category is Category.DOC
 
+    texts = [c for c in differences if is_document(c) and c.is_in(language) and c.rule.id not in PLACES]
     sections = (
         (impact, tuple(dict.fromkeys(line(c) for c in differences if c.impact is impact and not is_document(c))))
         for impact in Impact
@@ -127,7 +132,7 @@ def changes(
     return Changes(
         old,
         tuple((impact, lines) for impact, lines in sections if lines),
-        tuple(dict.fromkeys(line(c) for c in differences if is_document(c) and c.is_in(language))),
+        tuple(dict.fromkeys(map(line, texts))),
     )
 
 
