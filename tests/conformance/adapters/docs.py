@@ -76,9 +76,9 @@ class DocsAdapter(Adapter):
             if rows[0][0] == "Without a value":
                 self._no_values[heading] = {plain(row[1]): _integers(plain(row[0])) for row in rows[1:]}
             if rows[0][0] == "Named raw integer":
-                self._named[heading] = {plain(row[1]): int(plain(row[0])) for row in rows[1:]}
+                self._named[heading] = {plain(row[1]): int(plain(row[0]), 0) for row in rows[1:]}
             if rows[0][0] in ("Value", "Bit"):
-                self._members[heading] = {plain(row[1]): int(plain(row[0])) for row in rows[1:]}
+                self._members[heading] = {plain(row[1]): int(plain(row[0]), 0) for row in rows[1:]}
                 if rows[0][0] == "Bit":
                     self._flags.add(heading)
 

@@ -31,6 +31,8 @@ const REMARK = /(?<=\S)\s*[（(][^（()）]{8,}[)）]/gu;
 const WEIGHTS = { command: 1, type: 0.8, entry: 0.9, id: 0.95, page: 0.9, question: 0.9, heading: 0.88, mode: 0.75, effect: 0.7, field: 0.7, value: 0.65, table: 0.6, erratum: 0.45, parameter: 0.55, setting: 0.5, state: 0.5, neighbour: 0.5 };
 /** For an item that is the whole query: the type of a field comes before the commands that have it. */
 const WHOLE = { heading: 0, type: 0.99, setting: 0.65 };
+/** For a question, if the query is one word, which is rather the name of something. */
+const ASKED = 0.85;
 /** The kinds of items that a query can mean in words of its own. */
 const MEANT = new Set(["command", "entry", "type", "mode", "question"]);
 /** For a name in the spelling of the manual, or a title as it is printed. */
@@ -40,8 +42,12 @@ const FREQUENT = 4;
 const ABOUT = 0.3;
 const EXACT = 10;
 const SYNONYM = 0.85;
-/** For a page whose items contain the terms, each another one. */
+/** For a synonym in the title of a command: manuals use several words for one. */
+const TITLED = 0.92;
+/** For a page whose items contain the terms, each another one; not for questions, each of which has its own topic. */
 const SCATTERED = 0.85;
+/** For a page of no edition, if the query names one. */
+const BESIDE = 0.9;
 /** For an item that has the words of the query side by side. */
 const PHRASE = 1.1;
 /** Of a query with typos, how many corrections are compared. */
@@ -254,7 +260,7 @@ function createSearch(index, language) {
   const near = kept(word => {
     const quantity = word.match(/^(\d+)([a-z])$/u);
     if (quantity) { return [`${quantity[1]} ${quantity[2]}`]; }
-    const most = word.length > 7 ? 2 : 1;
+    const most = word.length > 8 ? 3 : word.length > 7 ? 2 : 1;
     const isChinese = CHINESE.test(word) && word.length > 1;
     if (!isChinese && !/^[a-z]{3,}$/u.test(word)) { return []; }
     const candidates = [...(isChinese ? neighbours(word) : vocabulary)].map(text => ({ text, far: distance(word, text, most) }));
@@ -310,8 +316,9 @@ function createSearch(index, language) {
   /** How well an item matches a term. */
   function value(item, { word, same }) {
     let best = ofId(item, word) ? 1 : 0;
+    const synonym = item.kind === "command" ? TITLED : SYNONYM;
     for (const text of item.texts) {
-      best = Math.max(best, quality(word, text), ...same.map(synonym => SYNONYM * quality(synonym, text)));
+      best = Math.max(best, quality(word, text), ...same.map(other => synonym * quality(other, text)));
     }
     for (const text of best ? [] : item.about) { best = Math.max(best, ABOUT * quality(word, text), ...same.map(synonym => ABOUT * SYNONYM * quality(synonym, text))); }
     return best * WEIGHTS[item.kind];
@@ -361,9 +368,9 @@ function createSearch(index, language) {
       return of.reduce((total, value, i) => total + weights[i] * value, 0) / sum * (0.7 + 0.3 * share);
     };
     return pages.map((found, n) => {
-      const of = found.items.map(item => ({ item, score: [query, text, content].map(each => whole(item, each, asked)).find(Boolean) ?? mean(values.get(item)) * (hasPhrase(item) ? PHRASE : 1) }));
+      const of = found.items.map(item => ({ item, score: [query, text, content].map(each => whole(item, each, asked)).find(Boolean) ?? mean(values.get(item)) * (hasPhrase(item) ? PHRASE : 1) * (parts.length === 1 && item.kind === "question" ? ASKED : 1) }));
       const best = of.reduce((one, two) => two.score > one.score ? two : one);
-      return { found, item: ofId(best.item, query) ?? best.item, score: Math.max(best.score, SCATTERED * mean(ofPage[n])) };
+      return { found, item: ofId(best.item, query) ?? best.item, score: best.item.kind === "question" ? best.score : Math.max(best.score, SCATTERED * mean(ofPage[n])) };
     });
   }
 
@@ -405,7 +412,7 @@ function createSearch(index, language) {
     for (const hit of all.filter(({ found }) => isOf(found.folder) || (query && !found.folder))) {
       if (!(ofPage.get(hit.found)?.score >= hit.score)) { ofPage.set(hit.found, hit); }
     }
-    const own = [...ofPage.values()].sort((a, b) => folders.indexOf(a.found.folder) - folders.indexOf(b.found.folder));
+    const own = [...ofPage.values()].map(hit => asked.length && !hit.found.folder ? { ...hit, score: hit.score * BESIDE } : hit).sort((a, b) => folders.indexOf(a.found.folder) - folders.indexOf(b.found.folder));
     const most = Math.max(0, ...own.map(({ score }) => score));
     const pages = new Map();
     for (const hit of own.filter(({ score }) => score > Math.min(most, 1) * LEAST)) {
