@@ -139,10 +139,10 @@ def effects_of(request: Message) -> tuple[str, ...]:
     """The effects of a request with its values."""
     names: tuple[str, ...] = request.EFFECTS
     for field, values in request.EXEMPT.items():
-        raw = request.raw().get(field)
-        elements = raw if isinstance(raw, tuple) else (raw,)
-        exempt = set.intersection(*({*values.get(element, ())} for element in elements))
-        names = tuple([name for name in names if name not in exempt])
+        raw: Any = request.raw().get(field)
+        elements: Sequence[Any] = raw if hasattr(raw, "__iter__") else (raw,)
+        exempt = [values.get(element, ()) for element in elements]
+        names = tuple([name for name in names if not all(name in absent for absent in exempt)])
     return names
 
 
@@ -276,11 +276,11 @@ class ClientCore:
                 raise ConsentError(request, title, consent)
         if timeout is None:
             timeout = self._timeout + (request.REPLY_WITHIN_MS or edition.REPLY_WITHIN_MS or 0.0) / 1000
-        message = to_message(request)
+        message, decode, parameters = to_message(request), partial(edition.decode_answer, request), node.parameters
         return _Job(
             key=type(request),
             frame=frame_of(message),
-            accept=partial(decoded, decode=partial(edition.decode_answer, request, parameters=node.parameters)),
+            accept=lambda frame: decoded(frame, decode, parameters),
             timeout=timeout,
             frames=request.REPLIES or 1,
             is_read=not effects and bool(facts.effects),

@@ -226,15 +226,15 @@ class Line:
         reads, is_sent = FENCES, False
         while True:
             sent = call if call.at_once and not is_sent else self._next_call(call)
-            if sent is call:
-                if not call.frames:
-                    return ""
+            if sent is None or (sent is not call and not reads):
+                return NO_REPLY if is_sent else SILENT
+            if sent is not call:
+                reads -= 1
+            elif call.frames:
                 call.tries -= 1
                 is_sent = True
-            elif sent is None or not reads:
-                return NO_REPLY if is_sent else SILENT
             else:
-                reads -= 1
+                return ""
             self._sent_at, self.deadline, self._equal = self._now, self._now + sent.timeout, 0
             self.counters.sent += 1
             self.copies.add(sent.frame)

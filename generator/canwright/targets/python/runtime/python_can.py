@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 
@@ -65,11 +66,11 @@ def from_message(frame: can.Message, decode: Any, parameters: Any = None) -> Any
     return message
 
 
-def decoded(frame: Frame, decode: NodeDecoder[M]) -> M | None:
+def decoded(frame: Frame, decode: Callable[..., M], *parameters: Any) -> M | None:
     """The message in a frame; None if it is rejected, also one of CAN FD for a classic bus."""
     can_id, extended, remote, fd, data = frame
     try:
-        message: Any = decode(can_id, data, extended=extended, remote=remote)
+        message: Any = decode(can_id, data, *parameters, extended=extended, remote=remote)
     except CodecError:
         return None
     return message if message.FD or not fd else None

@@ -325,8 +325,8 @@ class Simulation:
         while self._due and self._due[0][0] <= now:
             _, frame = self._due.pop(0)
             self._copies.add(frame_of(frame))
-            self.bus.send(frame)
             self.answered += 1
+            self.bus.send(frame)
 
     def __enter__(self) -> Self:
         self._is_ending.clear()
