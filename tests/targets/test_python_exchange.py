@@ -44,16 +44,15 @@ class _Line:
         self._open: list[Call] = []
         self._replies = vector.get("replies", {})
         self.line = Line(
-            [_call(name) for name in vector.get("reads", READS)],
-            lambda key, owed: key == owed or frozenset((key, owed)) in alike,
-            Copies(),
-            self.counters,
-            shares_ids=vector.get("shares_ids", False),
+            reads=[_call(name) for name in vector.get("reads", READS)],
+            alike=lambda key, owed: key == owed or frozenset((key, owed)) in alike,
+            copies=Copies(None if vector.get("shares_ids") else False),
+            counters=self.counters,
             in_order=vector.get("in_order", True),
             timeout=TIMEOUT,
             floor=vector.get("floor", 0.0),
+            is_certain=vector.get("certain", False),
         )
-        self.line.is_certain = vector.get("certain", False)
 
     def step(self, now: float, event: str, *given: str) -> str:
         """What an event leads to: what is sent, or how the request ends."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import threading
 import warnings
 from collections import Counter
 from collections.abc import Iterator
@@ -214,14 +215,18 @@ def test_mistakes_are_named(package: dict[str, ModuleType]) -> None:
 def test_a_lost_bus_ends_the_thread(package: dict[str, ModuleType]) -> None:
     _, nodes = _nodes(package, "v2_35")
 
+    asked = threading.Event()
+
     class Lost(_Frames):
         def recv(self, timeout: float) -> None:
+            asked.set()
             raise can.CanOperationError("gone")
 
-    simulation = package["simulation"].Simulation(Lost(), nodes)
-    simulation.start()
-    with pytest.raises(can.CanOperationError, match="gone"):
-        simulation.stop()
+    with (
+        pytest.raises(can.CanOperationError, match="gone"),
+        package["simulation"].Simulation(Lost(), nodes),
+    ):
+        assert asked.wait(5)
 
 
 LAMP = """\

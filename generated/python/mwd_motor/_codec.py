@@ -1099,7 +1099,7 @@ class Message:
         return self.encode_unchecked()
 
     @classmethod
-    def _check_available(cls, parameters: Any) -> None:
+    def check_available(cls, parameters: Any) -> None:
         """Raises CodecError (not_available) if nodes with these parameters do not have the command."""
         for name, values in cls.ONLY.items():
             value = getattr(parameters, name, None)
@@ -1126,7 +1126,7 @@ class Message:
 
         Messages from constructors, `from_raw` and `replace` have been checked already; decoded ones have not.
         """
-        self._check_available(self._parameters)
+        self.check_available(self._parameters)
         self._known_node(self._node)
         if self.ID_PARAMETER:
             self._id_offset()
@@ -1151,7 +1151,7 @@ class Message:
         TypeError (other names, or a field is missing).
         """
         self = new(cls)
-        cls._check_available(parameters)
+        cls.check_available(parameters)
         code = None if frame_code is None else cls._known_code(frame_code)
         if cls.CODES:
             object.__setattr__(self, "_code", cls.CODE if code is None else code)  # a slot of classes with codes only
@@ -1179,7 +1179,7 @@ class Message:
         exist under the parameters, and TypeError for other names.
         """
         parameters = values.pop("parameters", self._parameters)
-        self._check_available(parameters)
+        self.check_available(parameters)
         code = values.pop("frame_code", self._code if self.CODES else None)
         node = self._known_node(values.pop("node", self._node))
         raws = self.raw()
@@ -1421,7 +1421,7 @@ class ToNode(Bare):
     __slots__ = ()
 
     def __init__(self, *, node: int, parameters: Any = None) -> None:
-        self._check_available(parameters)
+        self.check_available(parameters)
         self._node = self._known_node(node)
         self._parameters = parameters
         self._raws = ()
@@ -1434,7 +1434,7 @@ class ToAll(Bare):
     __slots__ = ()
 
     def __init__(self, *, parameters: Any = None) -> None:
-        self._check_available(parameters)
+        self.check_available(parameters)
         self._node = self._known_node(None)
         self._parameters = parameters
         self._raws = ()

@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 import can
@@ -23,7 +23,7 @@ import can
 from ._codec import CodecError, Message, Request, places
 from .exchange import NO_REPLY, NOT_SENT, SILENT, UNPROVEN, Call, Copies, Counters, Frame, Line
 from .nodes import Node, Numbering
-from .python_can import frame_of, to_message
+from .python_can import decoded, frame_of, to_message
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -32,13 +32,13 @@ R = TypeVar("R", bound=Message)
 T = TypeVar("T")
 
 MOTION = "motion"
-KEPT = ("ram", "staged", "rom")
-"""How long a node can keep a setting, the shortest first."""
 TIMEOUT = 0.02
 """The time in seconds that adapter, driver and scheduler may add to the time of the reply."""
 LISTEN = 0.1
 """The longest time in seconds that listening waits at once, so that an interrupt ends it on every system."""
 STOP_TRIES = 3
+SHORTEST = 47 + 64
+"""The bits of a frame with 8 bytes, without stuff bits."""
 BUS_ERRORS = can.CanError, OSError, ValueError
 """What a bus raises that does not work; ValueError after it was closed."""
 ON_EXIT = {"stop": "stop", "off": "switch_off", "nothing": ""}
@@ -87,10 +87,7 @@ FAILURES: Mapping[str, tuple[type[ClientError], str]] = {
     NO_REPLY: (NoReply, "no reply to {}"),
     NOT_SENT: (NotSent, "{} was not sent: the queue of the driver is full"),
     SILENT: (NotSent, "{} was not sent, because the node does not answer"),
-    UNPROVEN: (
-        Unproven,
-        "{} has no proven reply: the same frame came back, and it is unknown whether the bus returns own frames",
-    ),
+    UNPROVEN: (Unproven, "no proven reply to {}: the same frame came back, which may be a copy that the bus returned"),
 }
 
 
@@ -142,11 +139,10 @@ def effects_of(request: Message) -> tuple[str, ...]:
     """The effects of a request with its values."""
     names: tuple[str, ...] = request.EFFECTS
     for field, values in request.EXEMPT.items():
-        raw: Any = getattr(request, f"{field}_raw")
-        elements: Sequence[int] = raw if hasattr(raw, "__iter__") else (raw,)
-        for element in elements:
-            absent: tuple[str, ...] = values.get(element, ())
-            names = tuple([name for name in names if name not in absent])
+        raw: Any = request.raw().get(field)
+        elements: Sequence[Any] = raw if hasattr(raw, "__iter__") else (raw,)
+        exempt = [values.get(element, ()) for element in elements]
+        names = tuple([name for name in names if not all(name in absent for absent in exempt)])
     return names
 
 
@@ -160,17 +156,16 @@ class _Job(Call):
     ends_motion: bool = False
     error: ClientError | None = None
 
-    def outcome(self) -> Outcome[Any]:
-        """What became of the request."""
+    def outcome(self, now: float) -> Outcome[Any]:
+        """What became of the request until now."""
         if self.failure and self.error is None:
             kind, text = FAILURES[self.failure]
             self.error = kind(text.format(self.request or "a read"))
-        at = time.monotonic() if self.at is None else self.at
-        return Outcome(cast("Request[Any]", self.request), tuple(self.replies), self.error, at)
+        return Outcome(cast("Request[Any]", self.request), tuple(self.replies), self.error, self.at or now)
 
 
 class ClientCore:
-    """What clients with and without asyncio have in common. Its coroutines wait for the bus in `_receive` only.
+    """What clients with and without asyncio have in common. Its coroutines wait for the bus in `_next_frame` only.
 
     Here that blocks, so they never suspend; a client for asyncio replaces it.
     """
@@ -195,12 +190,16 @@ class ClientCore:
         `own_frames` states whether the bus returns own frames, if that is known and no read of the node can show it.
         `notifier` is one of python-can that already reads the bus; without it, no other program part may read.
         """
-        allowed = (allow,) if isinstance(allow, str) else allow.values()
-        if not {"", MOTION}.issuperset(allowed):
+        self.nodes: dict[int, Node[Any, Any]] = {}
+        for node in nodes:
+            if node.node in self.nodes:
+                raise ValueError(f"{self.nodes[node.node]!r} and {node!r} have the same number")
+            self.nodes[node.node] = node
+        self._allowed: Mapping[int, str] = dict.fromkeys(self.nodes, allow) if isinstance(allow, str) else allow
+        if not {"", MOTION}.issuperset(self._allowed.values()):
             raise ValueError(f"allow={allow!r} is not {MOTION}; give other consents with each request")
         if on_exit not in ON_EXIT:
             raise ValueError(f"on_exit={on_exit!r} is none of {', '.join(ON_EXIT)}")
-        self.nodes: dict[int, Node[Any, Any]] = {}
         self.counters = Counters()
         self.unsolicited: deque[Message] = deque(maxlen=UNSOLICITED)
         """Frames that nodes sent without a request, the oldest first."""
@@ -210,15 +209,9 @@ class ClientCore:
         self._bit_rate = bit_rate
         self._own_frames = own_frames
         self._bits = 0
-        self._moved: dict[int, None] = {}
-        self._kinds: dict[tuple[int, type[Message]], tuple[float, bool]] = {}
-        for node in nodes:
-            if node.node in self.nodes:
-                raise ValueError(f"{self.nodes[node.node]!r} and {node!r} have the same number")
-            self.nodes[node.node] = node
-        self._granted = {
-            number: ("none", allow if isinstance(allow, str) else allow.get(number, "")) for number in self.nodes
-        }
+        """Of the frames sent, and of as many replies; 0 without a bit rate."""
+        self._moved: set[int] = set()
+        self._check: Callable[[Node[Any, Any], Any], None] = cache(_check)
         self._lock = threading.RLock()
         self._notifier = notifier
         self._reader = can.BufferedReader()
@@ -230,102 +223,65 @@ class ClientCore:
         """Nothing is known of the nodes, and of what the bus returns."""
         self.bus = bus
         self._lost: BusLost | None = None
-        self._until = math.inf
-        """When the next deadline of a line is, or sooner."""
-        self._copies = Copies(self._own_frames)
-        self._lines = {number: self._line(node) for number, node in self.nodes.items()}
-        self._by_id: dict[tuple[int, bool], Line] = {}
-        self._without_id: list[Line] = []
+        self._lines: dict[int, Line] = {}
+        self._lines_of_id: dict[tuple[int, bool], list[Line]] = {}
+        self._lines_without_id: list[Line] = []
+        """Those of nodes that the data or a part of the id decides on."""
+        copies, no_copies = Copies(self._own_frames), Copies(returned=False)
         for number, node in self.nodes.items():
-            line, ids = self._lines[number], [*node.ids_of("reply")]
-            self._by_id |= {(can_id, extended): line for can_id, mask, extended, _ in ids if not mask}
-            if not ids or any(mask for _, mask, _, _ in ids):  # the data or a part of the id decides
-                self._without_id.append(line)
-
-    def _line(self, node: Node[Any, Any]) -> Line:
-        facts = node.edition.client_facts
-        reads: list[_Job] = []
-        for read in facts.reads:
-            with suppress(CodecError):  # the node does not have it, or its reply could not be decoded
-                reads.append(self._job(node, node.make(read), self._timeout))
-        sent, received = ({ids[::2] for ids in node.ids_of(direction)} for direction in ("request", "reply"))
-        longest = 47 + 64  # bits of a frame with 8 bytes, without stuff bits
-        return Line(
-            reads,
-            node.edition.share_a_reply,
-            self._copies,
-            self.counters,
-            shares_ids=bool(sent & received) or not received,
-            in_order=facts.answers_in_order,
-            timeout=self._timeout,
-            floor=2 * longest / self._bit_rate if self._bit_rate else 0.0,
-            claims=partial(self._claims, node),
-        )
+            reads: list[_Job] = []
+            for read in node.edition.client_facts.reads:
+                with suppress(CodecError):  # the node does not have it, or its reply could not be decoded
+                    reads.append(self._job(node, node.make(read)))
+            ids = [*node.ids_of("reply")]
+            sent, received = ({each[::2] for each in those} for those in (node.ids_of("request"), ids))
+            line = self._lines[number] = Line(
+                reads=reads,
+                alike=node.edition.share_a_reply,
+                copies=copies if sent & received or not received else no_copies,
+                counters=self.counters,
+                in_order=node.edition.client_facts.answers_in_order,
+                timeout=self._timeout,
+                floor=2 * SHORTEST / self._bit_rate if self._bit_rate else 0.0,
+                claims=partial(self._claims, node),
+            )
+            self._lines_of_id |= {(can_id, extended): [line] for can_id, mask, extended, _ in ids if not mask}
+            if not ids or any(mask for _, mask, _, _ in ids):
+                self._lines_without_id.append(line)
 
     def _claims(self, node: Node[Any, Any], frame: Frame) -> bool:
         """Stores a frame that nodes send without a request."""
-        try:
-            message = node.decode_reply(frame[0], frame[4], extended=frame[1], remote=frame[2])
-        except CodecError:
-            return False
-        if not message.TITLE and not {"cyclic", "on_change", "event"} & {*message.SENT}:
+        message = decoded(frame, node.decode_reply)
+        if message is None or not (message.TITLE or {"cyclic", "on_change", "event"} & {*message.SENT}):
             return False
         self.unsolicited.append(message)
         return True
 
-    def _node(self, number: int | None, request: Message | None = None) -> Node[Any, Any]:
-        """The node of a number, to which a request goes; without a number the only node. Raises ValueError or TypeError."""
+    def _node(self, number: int | None) -> Node[Any, Any]:
+        """The node of a number; without a number the only node. Raises ValueError."""
         if number is None and len(self.nodes) == 1:
-            number = next(iter(self.nodes))
-        node = self.nodes.get(-1 if number is None else number)
-        if node is None and request is None:
+            return next(iter(self.nodes.values()))
+        if number is None or number not in self.nodes:
             raise ValueError(f"node={number} is none of this client; give one of {[*self.nodes]}")
-        if node is None:
-            raise ValueError(f"{request} is for node {number}, which this client does not have")
-        if request is not None and type(request).__module__ != getattr(node.edition, "__name__", None):
-            raise TypeError(f"{type(request).__module__}.{type(request).__name__} is of another edition than {node!r}")
-        return node
-
-    def _kind(self, node: Node[Any, Any], kind: type[Message]) -> tuple[float, bool]:
-        """The reply time in seconds of a class of requests, and whether they end a motion.
-
-        Raises CodecError if their reply could not be decoded; a motion can be ended nevertheless.
-        """
-        known = self._kinds.get((node.node, kind))
-        if known is None:
-            ends_motion = kind in node.edition.client_facts.ends_motion.values()
-            for reply in () if ends_motion else node.edition.replies_to(kind):
-                places(reply, node.parameters)
-            within = kind.REPLY_WITHIN_MS or node.edition.REPLY_WITHIN_MS or 0.0
-            known = self._kinds[node.node, kind] = within / 1000, ends_motion
-        return known
+        return self.nodes[number]
 
     def _job(self, node: Node[Any, Any], request: Request[Any], timeout: float | None = None, allow: str = "") -> _Job:
-        """The job of a request. Raises CodecError, and ConsentError if an effect is not allowed; ending a motion always is."""
-        facts, parameters, is_fd = node.edition.client_facts, node.parameters, request.FD
+        """The job of a request. Raises ConsentError, and TypeError and CodecError as `_check` does."""
+        self._check(node, type(request))
+        edition, facts = node.edition, node.edition.client_facts
         effects = [facts.effects[name] for name in effects_of(request)]
-        within, ends_motion = self._kind(node, type(request))
+        ends_motion = type(request) in facts.ends_motion.values()
         for title, consent, _, _ in () if ends_motion else effects:
-            if consent not in self._granted[node.node] and consent not in allow.split():
+            if consent not in ("none", self._allowed.get(node.node), *allow.split()):
                 raise ConsentError(request, title, consent)
-        if request.ONLY and request.parameters != parameters:
-            request.replace(parameters=parameters)  # rejected where the node lacks the command
-        decode = node.edition.decode_answer
-        message = to_message(request)
-
-        def accept(frame: Frame) -> Any:
-            can_id, extended, remote, fd, data = frame
-            try:
-                reply = decode(request, can_id, data, parameters, extended=extended, remote=remote)
-            except CodecError:
-                return None
-            return None if fd and not is_fd else reply
-
+        if timeout is None:
+            timeout = self._timeout + (request.REPLY_WITHIN_MS or edition.REPLY_WITHIN_MS or 0.0) / 1000
+        message, decode, parameters = to_message(request), partial(edition.decode_answer, request), node.parameters
         return _Job(
             key=type(request),
             frame=frame_of(message),
-            accept=accept,
-            timeout=within + self._timeout if timeout is None else timeout,
+            accept=lambda frame: decoded(frame, decode, parameters),
+            timeout=timeout,
             frames=request.REPLIES or 1,
             is_read=not effects and bool(facts.effects),
             differs=request.DIFFERS,
@@ -341,43 +297,16 @@ class ClientCore:
     async def _receive(self, until: float) -> can.Message | None:
         """The next frame; None if there is none until then, or if the wait ended before. Raises BusLost."""
         try:
-            return self._receiver()(max(0.0, until - time.monotonic()))
+            return await self._next_frame(until)
         except BUS_ERRORS as error:
-            raise BusLost(f"the bus does not work: {error}") from error
+            raise self._bus_lost(error) from error
+
+    async def _next_frame(self, until: float) -> can.Message | None:
+        return self._receiver()(max(0.0, until - time.monotonic()))
 
     def _receiver(self) -> Callable[[float], can.Message | None]:
         """What returns the next frame, or None if there is none for a time in seconds."""
         return self._reader.get_message if self._notifier else self.bus.recv
-
-    def _feed(self, frame: can.Message, now: float) -> None:
-        """Gives a frame to the lines that it may belong to."""
-        if frame.is_error_frame:
-            self.counters.errors += 1
-            return
-        owner = self._by_id.get((frame.arbitration_id, frame.is_extended_id))
-        for line in self._without_id if owner is None else (owner,):
-            self._send_calls(line, line.feed(frame_of(frame), now), now)
-
-    def _send_calls(self, line: Line, call: Call | None, now: float) -> None:
-        """Sends what a line asks for."""
-        while call is not None and call.message is not None and not self._transmit(call.message):
-            call = line.not_sent(now)
-        if line.deadline < self._until:
-            self._until = line.deadline
-
-    def _tick(self, lines: Iterable[Line], now: float) -> None:
-        """The next deadline is reached."""
-        for line in lines:
-            if line.deadline <= now:
-                self._send_calls(line, line.tick(now), now)
-        self._until = min(line.deadline for line in lines)
-
-    def _note_motion(self, job: _Job, *, is_ended: bool) -> None:
-        """Stores whether a node has to be stopped at the end."""
-        if is_ended:
-            self._moved.pop(job.node.node, None)
-        elif job.moves:
-            self._moved[job.node.node] = None
 
     def _transmit(self, message: can.Message) -> bool:
         """Sends a frame; whether the queue of the driver had room for it. Raises BusLost."""
@@ -386,52 +315,81 @@ class ClientCore:
         try:
             self.bus.send(message)
         except (can.CanError, OSError) as error:
-            if _is_full(error):
+            code = getattr(error, "error_code", None) or getattr(error, "errno", None)
+            if isinstance(error, can.CanTimeoutError) or code in (errno.ENOBUFS, errno.EAGAIN):
                 return False
-            raise BusLost(f"the bus does not work: {error}") from error
+            raise self._bus_lost(error) from error
         return True
+
+    def _bus_lost(self, error: Exception) -> BusLost:
+        self._lost = BusLost(f"the bus does not work: {error}")
+        return self._lost
 
     def _check_bus(self) -> None:
         if self._lost is not None:
             raise BusLost(f"{self._lost}; call reopen") from self._lost
 
+    def _feed(self, message: can.Message, now: float) -> None:
+        """Gives a frame to the lines that it may belong to."""
+        if message.is_error_frame:
+            self.counters.errors += 1
+            return
+        frame = frame_of(message)
+        for line in self._lines_of_id.get(frame[:2], self._lines_without_id):
+            if call := line.feed(frame, now):
+                self._send_calls(line, call, now)
+
+    def _send_calls(self, line: Line, call: Call | None, now: float) -> None:
+        """Sends what a line asks for."""
+        while call is not None and call.message is not None and not self._transmit(call.message):
+            call = line.not_sent(now)
+
     # What the methods of both clients do
 
-    async def _exchange(self, jobs: Sequence[_Job]) -> None:
-        """Exchanges with all nodes at once, and with one node one after the other."""
+    async def _exchange(self, jobs: Sequence[_Job]) -> list[Outcome[Any]]:
+        """Exchanges with all nodes at once, and with one node one after the other; jobs with an error are left out."""
         self._check_bus()
         clock = time.monotonic
-        lines = dict.fromkeys([self._lines[job.node.node] for job in jobs])
-        self._until = math.inf
+        pending = [job for job in jobs if job.error is None]
+        lines = dict.fromkeys([self._lines[job.node.node] for job in pending])
         try:
             while (frame := await self._receive(0.0)) is not None:  # what came before is no reply
                 self._feed(frame, clock())
-            for job in jobs:
+            for job in pending:
                 line, now = self._lines[job.node.node], clock()
                 self._send_calls(line, line.open(job, now), now)
-            for job in jobs:
+            for job in pending:
                 while job.at is None:
-                    frame = await self._receive(self._until)
+                    until = min([line.deadline for line in lines])
+                    frame = await self._receive(until)
                     now = clock()
                     if frame is not None:
                         self._feed(frame, now)
-                    if now >= self._until:
-                        self._tick(lines, now)
+                    for line in lines if now >= until else ():
+                        if now >= line.deadline:
+                            self._send_calls(line, line.tick(now), now)
         except BusLost as error:
-            self._lost = error
-            for job in jobs:
+            for job in pending:
                 job.error = error if job.at is None else None
         finally:
+            now = clock()
             for line in lines:
-                line.abort(clock())
-            for job in jobs:
+                line.abort(now)
+            for job in pending:
                 self._note_motion(job, is_ended=job.ends_motion and bool(job.replies))
+        return [job.outcome(now) for job in jobs]
+
+    def _note_motion(self, job: _Job, *, is_ended: bool) -> None:
+        """Stores whether a node has to be stopped at the end."""
+        if is_ended:
+            self._moved.discard(job.node.node)
+        elif job.moves:
+            self._moved.add(job.node.node)
 
     async def _settle(self, nodes: Iterable[Node[Any, Any]]) -> ClientError | None:
         """Makes the lines of nodes certain with a read each. Returns the first error."""
-        jobs = [_Job(node=node) for node in nodes if not self._lines[node.node].is_certain]
-        await self._exchange(jobs)
-        return next(filter(None, (job.outcome().error for job in jobs)), None)
+        outcomes = await self._exchange([_Job(node=node) for node in nodes if not self._lines[node.node].is_certain])
+        return next((outcome.error for outcome in outcomes if outcome.error), None)
 
     async def _cycle(
         self, requests: Sequence[Request[R]], allow: str = "", tries: int = 1, timeout: float | None = None
@@ -441,24 +399,21 @@ class ClientCore:
             if not request.REPLIES or request.REPLIERS:
                 number = "several" if request.REPLIES else "no"
                 raise TypeError(f"{request} has {number} replies; use send or gather")
-            node = self._node(request.node, request)
-            if tries > 1:
-                _check_repeatable(node, request, tries)
+            node = self._node(request.node)
+            if tries > 1 and not _is_repeatable(node, request):
+                raise ValueError(f"{request} cannot be repeated safely; leave out tries={tries}")
             try:
                 job = self._job(node, self._numbering.next(request), timeout, allow)
             except ConsentError as error:
                 job = _Job(node=node, error=error)
             except CodecError as error:
-                lacking = NotSent(f"{request} was not sent: {error}")
-                lacking.__cause__ = error
-                job = _Job(node=node, error=lacking)
+                job = _Job(node=node, error=NotSent(f"{request} was not sent: {error}"))
             job.request, job.tries = request, tries
             jobs.append(job)
-        await self._exchange([job for job in jobs if job.error is None])
-        return [job.outcome() for job in jobs]
+        return await self._exchange(jobs)
 
     async def _settled(
-        self, nodes: Sequence[Node[Any, Any]], request: Request[Any], allow: str, timeout: float | None
+        self, nodes: Sequence[Node[Any, Any]], request: Request[Any], allow: str, timeout: float | None = None
     ) -> list[_Job]:
         """The jobs of one request to several nodes, whose lines are certain."""
         request = self._numbering.next(request)
@@ -469,15 +424,14 @@ class ClientCore:
 
     async def _gather(self, request: Request[R], allow: str, timeout: float | None) -> list[R]:
         repliers = [self.nodes[number] for number in request.REPLIERS if number in self.nodes]
-        jobs = await self._settled(repliers or [self._node(request.node, request)], request, allow, timeout)
+        jobs = await self._settled(repliers or [self._node(request.node)], request, allow, timeout)
         for job in jobs[1:]:
             job.message = None
-        await self._exchange(jobs)
-        return [reply for job in jobs for reply in job.replies]
+        return [reply for outcome in await self._exchange(jobs) for reply in outcome.replies]
 
     async def _send(self, request: Request[Any], allow: str) -> None:
-        nodes = [*self.nodes.values()] if request.node is None else []
-        jobs = await self._settled(nodes or [self._node(request.node, request)], request, allow, None)
+        nodes = [*self.nodes.values()] if request.node is None else [self._node(request.node)]
+        jobs = await self._settled(nodes, request, allow)
         for job in jobs:
             self._note_motion(job, is_ended=job.ends_motion)
         if not self._transmit(jobs[0].message):
@@ -486,13 +440,12 @@ class ClientCore:
 
     def _periods(self, rate: float) -> Iterator[tuple[int, float]]:
         """The number of each period, and the time to wait for it; missed ones are left out and counted."""
-        start, bits = time.monotonic(), self._bits
-        yield 0, 0.0
+        start, bits, number = time.monotonic(), self._bits, 0
+        yield number, 0.0
         needed = (self._bits - bits) / self._bit_rate if self._bit_rate else 0.0
         if needed * rate > 1:
             text = f"need {needed * 1000:.2f} ms at {self._bit_rate} bit/s, more than {1000 / rate:.2f} ms"
             warnings.warn(f"the frames of a period {text}", stacklevel=3)
-        number = 0
         while True:
             now = time.monotonic()
             due = max(number + 1, math.ceil((now - start) * rate))
@@ -536,11 +489,11 @@ class ClientCore:
         """The reads that return what is written; no description states it of what is staged."""
         changed: dict[str, tuple[Any, Any]] = {}
         for read, values in present.items():
-            wanted = values | {name: settings[name] for name in values if name in settings}
+            wanted = {name: settings.get(name, value) for name, value in values.items()}
             differing = differences(values, wanted)
             if not differing:
                 continue
-            how = next((how for how in ((kept,) if kept else KEPT) if how in requests[read]), None)
+            how = next((how for how in ((kept,) if kept else ("ram", "staged", "rom")) if how in requests[read]), None)
             if how is None:
                 raise ValueError(f"{node!r} has no request that writes {', '.join(differing)} with kept={kept!r}")
             write = requests[read][how]
@@ -549,8 +502,7 @@ class ClientCore:
             changed |= differing
             if how != "staged":
                 written.append(read)
-        await self._exchange(writes)
-        replies = [variables_of(job.outcome().get()) for job in writes]
+        replies = [variables_of(outcome.get()) for outcome in await self._exchange(writes)]
         for values in (*replies, *(await self._read(node, written)).values()):
             for name in changed.keys() & values.keys():
                 if values[name] != changed[name][1]:
@@ -572,8 +524,7 @@ class ClientCore:
     async def _close(self) -> None:
         """Stops the nodes that were moved, and stops reading. Warns of each node that does not confirm it."""
         jobs: list[_Job] = []
-        for number in self._moved if self._lost is None else ():
-            node = self.nodes[number]
+        for node in [self.nodes[number] for number in self._moved if self._lost is None]:
             stop = node.edition.client_facts.ends_motion.get(ON_EXIT[self._on_exit])
             if stop is not None:
                 jobs.append(self._job(node, node.make(stop)))
@@ -583,19 +534,26 @@ class ClientCore:
         if self._notifier:
             self._notifier.remove_listener(self._reader)
             self._notifier = None
-        unconfirmed = [*self._moved] if self._on_exit != "nothing" else []
-        self._moved.clear()
-        if unconfirmed:
-            text = f"nodes did not confirm {self._on_exit}, and may still move: {unconfirmed}"
-            warnings.warn(text, stacklevel=2)
+        unconfirmed, self._moved = sorted(self._moved), set()
+        if unconfirmed and self._on_exit != "nothing":
+            warnings.warn(f"nodes did not confirm {self._on_exit}, and may still move: {unconfirmed}", stacklevel=2)
 
 
-def _check_repeatable(node: Node[Any, Any], request: Message, tries: int) -> None:
-    """Raises ValueError if a request cannot be repeated safely."""
+def _check(node: Node[Any, Any], kind: type[Any]) -> None:
+    """Raises TypeError for requests of another edition, and CodecError if the node lacks the command or its reply could not be decoded.
+
+    The reply to what ends a motion does not matter.
+    """
+    node.check(kind)
+    if kind not in node.edition.client_facts.ends_motion.values():
+        for reply in node.edition.replies_to(kind):
+            places(reply, node.parameters)
+
+
+def _is_repeatable(node: Node[Any, Any], request: Message) -> bool:
+    """Whether a request can be sent again if no reply came."""
     effects = node.edition.client_facts.effects
-    is_repeatable = all(effects[name][2] for name in effects_of(request)) if request.REPEAT is None else request.REPEAT
-    if not is_repeatable:
-        raise ValueError(f"{request} cannot be repeated safely; leave out tries={tries}")
+    return all(effects[name][2] for name in effects_of(request)) if request.REPEAT is None else request.REPEAT
 
 
 def _bits(message: can.Message) -> int:
@@ -603,12 +561,6 @@ def _bits(message: can.Message) -> int:
     data = 0 if message.is_remote_frame else 8 * message.dlc
     stuffed = (54 if message.is_extended_id else 34) + data
     return stuffed + (stuffed - 1) // 4 + 13
-
-
-def _is_full(error: Exception) -> bool:
-    """Whether a frame was not sent only because the queue of the driver is full."""
-    code = getattr(error, "error_code", None) or getattr(error, "errno", None)
-    return isinstance(error, can.CanTimeoutError) or code in (errno.ENOBUFS, errno.EAGAIN)
 
 
 class Client(ClientCore):

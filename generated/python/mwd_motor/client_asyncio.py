@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import can
 
 from ._codec import Message, Request
-from .client import BUS_ERRORS, LISTEN, BusLost, ClientCore, Outcome
+from .client import LISTEN, ClientCore, Outcome
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -85,6 +85,8 @@ class AsyncClient(ClientCore):
         super()._use(bus)
         self._reading: asyncio.Future[can.Message | None] | None = None
         """A thread that reads a bus without a file descriptor."""
+        self._is_empty = False
+        """Whether the bus has a file descriptor, and had no frame at the last look; then it has one when it is readable."""
         self._file = -1
         with contextlib.suppress(NotImplementedError):
             self._file = -1 if self._notifier else bus.fileno()
@@ -95,21 +97,15 @@ class AsyncClient(ClientCore):
             async with self._turn:
                 return await steps
 
-    async def _receive(self, until: float) -> can.Message | None:
-        try:
-            return await self._next_frame(until)
-        except BUS_ERRORS as error:
-            raise BusLost(f"the bus does not work: {error}") from error
-
     async def _next_frame(self, until: float) -> can.Message | None:
         if self._reading is None:
-            message = self._receiver()(0)
             left = until - time.monotonic()
-            if message is not None or left <= 0:
-                return message
-            if self._file >= 0:
+            if self._is_empty and left > 0:
                 await self._readable(left)
-                return self._receiver()(0)
+            message = self._receiver()(0)
+            self._is_empty = self._file >= 0 and message is None
+            if message is not None or left <= 0 or self._is_empty:
+                return message
             loop = asyncio.get_running_loop()
             self._reading = loop.run_in_executor(None, self._receiver(), min(left, LISTEN))
         try:

@@ -2,7 +2,7 @@
 """Requests and replies of one node, without I/O and without a clock: the rules of every client.
 
 `Line.open`, `feed`, `tick` and `not_sent` return the call to send next, if there is one. `Line.deadline` is when to call `tick`.
-Times are seconds of any clock.
+Times are seconds of any clock. `Line._exchange` has the steps of a request, in their order.
 
 One request of a node is in flight; others wait for it. After a missing reply the line is uncertain: that reply may still come. Before the next
 request, and before a second try, a read whose reply cannot be mistaken for an owed one has to answer. A node that answers in
@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -113,218 +113,197 @@ class Copies:
                 self.expected.clear()
 
 
+@dataclass(eq=False, kw_only=True)
 class Line:
-    """The exchanges with one node.
+    """The exchanges with one node."""
 
-    `reads` are harmless. `alike` returns for two keys whether a frame can be the reply to both. `shares_ids` is True if
-    requests and replies have the same ids. `timeout` is the usual one, `floor` the shortest time from a request to its reply.
-    `claims` takes a frame that no request waits for, and returns whether the node sends such frames without a request.
-    """
+    reads: Sequence[Call]
+    """Harmless requests."""
+    alike: Callable[[Any, Any], bool]
+    """Whether a frame can be the reply to the calls with both keys."""
+    copies: Copies
+    counters: Counters
+    in_order: bool
+    """Whether the node answers in the order of the requests."""
+    timeout: float
+    """The usual time-out."""
+    floor: float = 0.0
+    """The shortest time from a request to its reply."""
+    claims: Callable[[Frame], bool] = lambda frame: False
+    """Takes a frame that no request waits for, if the node sends such frames without a request."""
+    is_certain: bool = False
+    """Whether no older reply can come. At first it is unknown what an earlier program sent."""
 
-    def __init__(
-        self,
-        reads: Sequence[Call],
-        alike: Callable[[Any, Any], bool],
-        copies: Copies,
-        counters: Counters,
-        *,
-        shares_ids: bool,
-        in_order: bool,
-        timeout: float,
-        floor: float = 0.0,
-        claims: Callable[[Frame], bool] = lambda frame: False,
-    ) -> None:
+    def __post_init__(self) -> None:
         self.deadline = math.inf
         """Infinite if no request is open."""
-        self.is_certain = False
-        """Whether no older reply can come. It is unknown what an earlier program sent."""
-        self._reads = reads
-        self._alike = alike
-        self._copies = copies if shares_ids else Copies(returned=False)
-        self._counters = counters
-        self._in_order = in_order
-        self._timeout = timeout
-        self._floor = floor
-        self._claims = claims
         self._waiting: deque[Call] = deque()
         self._call: Call | None = None
         """The open request."""
+        self._steps: Generator[Call | None, bool | None, str]
+        """The steps of the open request."""
         self._current: Call | None = None
         """The call whose reply is awaited: the open request, or a read before it."""
-        self._is_sent = False
-        """Whether the open request was sent."""
         self._owed: dict[Any, None] = {}
-        self._sent_at = 0.0
-        self._equal = self._fences = self._misses = 0
+        """The keys of calls whose replies may still come."""
+        self._now = self._sent_at = 0.0
+        self._equal = self._misses = 0
         self._quiet_until = -math.inf
 
     def open(self, call: Call, now: float) -> Call | None:
         """Starts a request, after those that are open."""
+        self._now = now
         self._waiting.append(call)
-        return self._next(now)
+        return None if self._call else self._continue()
 
     def feed(self, frame: Frame, now: float) -> Call | None:
         """A frame that may come from this node."""
-        current = self._current
-        if self._copies.take(frame):
+        self._now, current = now, self._current
+        if self.copies.take(frame):
             self._equal += 1
-        elif current is None or now < self._sent_at + self._floor:
-            self._unexpected(frame, now)
-        elif self._copies.returned is None and frame == current.frame:
+        elif current is None or now < self._sent_at + self.floor:
+            self._unexpected(frame)
+        elif self.copies.returned is None and frame == current.frame:
             self._equal += 1
         elif (reply := current.accept(frame)) is not None:
-            self._counters.answered += 1
+            self.counters.answered += 1
             self._misses = 0
-            return self._answered(current, reply, now) or self._next(now)
-        elif not self._claims(frame):
-            self._counters.late += 1
+            if current is self._call:
+                current.replies.append(reply)
+                if len(current.replies) < current.frames:
+                    return None
+            return self._continue(is_answered=True)
+        elif not self.claims(frame):
+            self.counters.late += 1
         return None
 
     def tick(self, now: float) -> Call | None:
         """The deadline is reached."""
-        current, call = self._current, self._call
-        assert call is not None, "a request is open"
-        if current is None:  # the time in which a copy of the read can come is over
-            self._copies.learn(returned=self._equal > 0)
-            return self._continue(call, now) or self._next(now)
-        self._counters.missing += 1
-        self._misses += 1
-        if self._misses >= MISSES:
-            self._rest(now, PAUSE)
-        self._lose(current, now)
-        if current is call and call.replies:
-            self._close(now)
-        elif current is call and self._equal and self._copies.returned is None:
-            self._counters.unproven += 1
-            self._close(now, UNPROVEN)
-        elif current is not call or call.tries:
-            return self._make_certain(call, now) or self._next(now)
-        else:
-            self._close(now, NO_REPLY)
-        return self._next(now)
+        self._now = now
+        if self._current is not None:
+            self.counters.missing += 1
+            self._misses += 1
+            if self._misses >= MISSES:
+                self._rest(PAUSE)
+            self._lose(self._current)
+        return self._continue(is_answered=False)
 
     def not_sent(self, now: float) -> Call | None:
         """The call that was returned last could not be sent."""
+        self._now = now
         if self._current is not None:
-            self._copies.take(self._current.frame)
-        self._counters.sent -= 1
-        self._close(now, NOT_SENT)
-        return self._next(now)
+            self.copies.take(self._current.frame)
+        self.counters.sent -= 1
+        self._close(NOT_SENT)
+        return self._continue()
 
     def abort(self, now: float) -> None:
         """Ends all requests; the reply to the open one may still come."""
-        self._waiting.clear()
-        if self._current is not None:
-            self._lose(self._current, now)
         if self._call is not None:
-            self._close(now, ABORTED)
+            self._now = now
+            self._waiting.clear()
+            if self._current is not None:
+                self._lose(self._current)
+            self._close(ABORTED)
 
-    def _next(self, now: float) -> Call | None:
-        """Starts the next request if none is open."""
-        sent = None
-        while self._call is None and self._waiting:
-            call = self._call = self._waiting.popleft()
-            self._fences, self._is_sent = FENCES, False
-            is_ready = call.at_once or (self.is_certain and not self._needs_proof())
-            sent = self._request(call, now) if is_ready else self._make_certain(call, now)
-        return sent
-
-    def _request(self, call: Call, now: float) -> Call | None:
-        if not call.frames:
-            self._close(now)
-            return None
-        call.tries -= 1
-        self._is_sent = True
-        return self._send(call, now)
-
-    def _send(self, call: Call, now: float) -> Call:
-        self._current, self._sent_at, self.deadline, self._equal = call, now, now + call.timeout, 0
-        self._counters.sent += 1
-        self._copies.add(call.frame)
-        return call
-
-    def _needs_proof(self) -> bool:
-        """Whether a read can show if the bus returns own frames, which is unknown."""
-        return self._copies.returned is None and any(read.differs for read in self._reads)
-
-    def _make_certain(self, call: Call, now: float) -> Call | None:
-        """Sends a read whose reply is not owed, or the request if it is one."""
-        if now < self._quiet_until:
-            self._close(now, SILENT)
-            return None
-        if not self._in_order:
-            self._owed.clear()
-        if not self._reads:
-            self.is_certain = True
-            return self._request(call, now)
-        needs_proof = self._needs_proof()
-        usable = [read for read in (call, *self._reads) if read.is_read and (read.differs or not needs_proof)]
-        read = next((read for read in usable if self._is_free(read)), None)
-        if read is None:
-            self._owed.clear()
-            self._rest(now, QUIET)
-        elif read is call:
-            return self._request(call, now)
-        elif self._fences:
-            self._fences -= 1
-            return self._send(read, now)
-        self._close(now, NO_REPLY if self._is_sent else SILENT)
+    def _continue(self, *, is_answered: bool | None = None) -> Call | None:
+        """Takes the next step of the open request, or of those that wait if it ends; returns what to send."""
+        while self._call is not None or self._waiting:
+            if self._call is None:
+                self._call = self._waiting.popleft()
+                self._steps, is_answered = self._exchange(self._call), None
+            try:
+                self._current = self._steps.send(is_answered)
+                return self._current
+            except StopIteration as end:
+                self._close(end.value)
         return None
 
-    def _is_free(self, read: Call) -> bool:
-        return not any(read.key == owed or self._alike(read.key, owed) for owed in self._owed)
+    def _exchange(self, call: Call) -> Generator[Call | None, bool | None, str]:
+        """The steps of a request: each yields a call to send, and receives whether it was answered in time.
 
-    def _answered(self, current: Call, reply: Any, now: float) -> Call | None:
-        """The request or a read before it has a reply; after that of a read, nothing older comes any more."""
-        call = self._call
-        assert call is not None, "a request is open"
-        if current is call:
-            current.replies.append(reply)
-            if len(current.replies) < current.frames:
-                return None
-            if not current.is_read or (self.is_certain and not self._needs_proof()):
-                self._close(now)
-                return None
+        Returns why there is no reply.
+        """
+        reads, is_sent = FENCES, False
+        while True:
+            sent = call if call.at_once and not is_sent else self._next_call(call)
+            if sent is None or (sent is not call and not reads):
+                return NO_REPLY if is_sent else SILENT
+            if sent is not call:
+                reads -= 1
+            elif call.frames:
+                call.tries -= 1
+                is_sent = True
+            else:
+                return ""
+            self._sent_at, self.deadline, self._equal = self._now, self._now + sent.timeout, 0
+            self.counters.sent += 1
+            self.copies.add(sent.frame)
+            if (yield sent) and sent.is_read:
+                yield from self._make_certain(sent)
+            if sent is call:
+                if call.replies:
+                    return ""
+                if self._equal and self.copies.returned is None:
+                    self.counters.unproven += 1
+                    return UNPROVEN
+                if not call.tries:
+                    return NO_REPLY
+
+    def _next_call(self, call: Call) -> Call | None:
+        """A request if no older frame can be taken for its reply, else a read; None if the node has to be left alone."""
+        needs_proof = self.copies.returned is None and any(read.differs for read in self.reads)
+        if self.is_certain and not needs_proof:
+            return call
+        if self._now < self._quiet_until:
+            return None
+        if not self.in_order:
+            self._owed.clear()
+        if not self.reads:
+            self.is_certain = True
+            return call
+        for read in (call, *self.reads):
+            is_usable = read.is_read and (read.differs or not needs_proof)
+            if is_usable and not any(self.alike(read.key, owed) for owed in self._owed):
+                return read
+        self._owed.clear()
+        self._rest(QUIET)
+        return None
+
+    def _make_certain(self, read: Call) -> Generator[None, bool | None, None]:
+        """A read is answered: nothing older comes any more, and it is known whether the bus returned the read."""
         self._owed.clear()
         self.is_certain = True
-        if self._copies.returned is None and current.differs:
-            if not self._equal:
-                self._current, self.deadline = None, now + LATER_COPY
-                return None
-            self._copies.learn(returned=True)
-        return self._continue(call, now)
+        if self.copies.returned is None and read.differs:
+            if not self._equal:  # its copy may still come
+                self.deadline = self._now + LATER_COPY
+                yield None
+            self.copies.learn(returned=self._equal > 0)
 
-    def _continue(self, call: Call, now: float) -> Call | None:
-        """Sends the request, unless it was the read that made the line certain."""
-        if not call.replies:
-            return self._request(call, now)
-        self._close(now)
-        return None
-
-    def _lose(self, call: Call, now: float) -> None:
+    def _lose(self, call: Call) -> None:
         self._owed[call.key] = None
         self.is_certain = False
-        if not self._in_order or not self._reads:
-            self._rest(now, QUIET)
+        if not self.in_order or not self.reads:
+            self._rest(QUIET)
 
-    def _rest(self, now: float, timeouts: int) -> None:
-        self._quiet_until = max(self._quiet_until, now + timeouts * self._timeout)
+    def _rest(self, timeouts: int) -> None:
+        self._quiet_until = max(self._quiet_until, self._now + timeouts * self.timeout)
 
-    def _close(self, now: float, failure: str = "") -> None:
-        if self._call is not None:
-            self._call.failure, self._call.at = failure, now
+    def _close(self, failure: str) -> None:
+        assert self._call is not None, "a request is open"
+        self._call.failure, self._call.at = failure, self._now
         self._call = self._current = None
         self.deadline = math.inf
 
-    def _unexpected(self, frame: Frame, now: float) -> None:
+    def _unexpected(self, frame: Frame) -> None:
         """A frame that no request waits for."""
-        if self._claims(frame):
+        if self.claims(frame):
             return
         if self._current is not None:
-            self._counters.early += 1
+            self.counters.early += 1
         elif self._owed or not self.is_certain:
-            self._counters.late += 1
-            if now < self._quiet_until:
-                self._rest(now, QUIET)
+            self.counters.late += 1
+            if self._now < self._quiet_until:
+                self._rest(QUIET)
         else:
-            self._counters.foreign += 1
+            self.counters.foreign += 1

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 
@@ -66,6 +67,16 @@ def from_message(frame: can.Message, decode: Any, parameters: Any = None) -> Any
     return message
 
 
+def decoded(frame: Frame, decode: Callable[..., M], *parameters: Any) -> M | None:
+    """The message in a frame; None if it is rejected, also one of CAN FD for a classic bus."""
+    can_id, extended, remote, fd, data = frame
+    try:
+        message: Any = decode(can_id, data, *parameters, extended=extended, remote=remote)
+    except CodecError:
+        return None
+    return message if message.FD or not fd else None
+
+
 class OwnFrames:
     """Sends on a bus, and recognizes the frames that the bus returns.
 
@@ -92,7 +103,7 @@ class OwnFrames:
         while (left := deadline - monotonic()) > 0 and (frame := bus.recv(left)) is not None:
             if frame_of(frame) == sent:
                 is_returned = True
-            elif not is_answered and _is_accepted(frame, decode):
+            elif not is_answered and decoded(frame_of(frame), decode) is not None:
                 is_answered = True
                 deadline = min(deadline, monotonic() + LATER_COPY)
         if not (is_returned or is_answered):
@@ -118,11 +129,3 @@ def frame_of(message: can.Message) -> Frame:
     """What a frame and its copy have in common; the id is -1 for error frames, which are never sent."""
     can_id = -1 if message.is_error_frame else message.arbitration_id
     return can_id, message.is_extended_id, message.is_remote_frame, message.is_fd, bytes(message.data)
-
-
-def _is_accepted(frame: can.Message, decode: Decoder[Any]) -> bool:
-    try:
-        from_message(frame, decode)
-    except CodecError:
-        return False
-    return True

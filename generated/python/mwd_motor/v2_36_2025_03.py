@@ -1703,7 +1703,7 @@ class SetPowerRequest(Request["SetPowerReply"]):
         power: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._check_available(parameters)
+        self.check_available(parameters)
         self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (POWER.raw(power, self._parameters, "power"),)
@@ -1772,7 +1772,7 @@ class SetTorqueRequest(Request["SetTorqueReply"]):
         iq: Real,
         parameters: Parameters = UNKNOWN,
     ) -> None:
-        self._check_available(parameters)
+        self.check_available(parameters)
         self._node = node if node.__class__ is int and node in self._nodes else self._known_node(node)
         self._parameters = parameters
         self._raws = (TORQUE_CURRENT.raw(iq, self._parameters, "iq"),)

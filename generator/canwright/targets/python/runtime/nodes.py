@@ -87,8 +87,7 @@ class Node(Generic[Q, A]):
         A message without a node, such as a broadcast, is for every node on the bus; only its values are computed with the
         parameters of this node. The field that contains the node is set, too.
         """
-        if message.__module__ != getattr(self.edition, "__name__", None):
-            raise TypeError(f"{message.__module__}.{message.__name__} is of another edition than {self!r}")
+        self.check(message)
         if "node" in values or "parameters" in values or message.NODE_FIELD in values:
             names = " and ".join(name for name in ("node", "parameters", message.NODE_FIELD) if name in values)
             raise TypeError(f"{self!r} sets {names} itself; leave it out")
@@ -101,6 +100,12 @@ class Node(Generic[Q, A]):
             values[message.NODE_FIELD] = self.node & message.NODE_MASK
         build: Callable[..., M] = message
         return build(**values)
+
+    def check(self, message: type[Message]) -> None:
+        """Raises TypeError for a class of another edition, and CodecError if this node does not have its command."""
+        if message.__module__ != getattr(self.edition, "__name__", None):
+            raise TypeError(f"{message.__module__}.{message.__name__} is of another edition than {self!r}")
+        message.check_available(self.parameters)
 
     def ids_of(self, direction: str) -> Iterable[tuple[int, int, bool, bool]]:
         """The ids of this node, as a `request` or a `reply`; see the function of the edition."""

@@ -5,14 +5,14 @@ What a node does beyond that, such as moving, is a `Behaviour` that a program gi
 
 from __future__ import annotations
 
-import bisect
 import math
 import random
 import threading
 import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -67,6 +67,11 @@ class Faults:
     """Requests before which the node starts again, with the values that it had first."""
     seed: int = 1
 
+    def __post_init__(self) -> None:
+        for name, rate in vars(self).items():
+            if name not in ("seed", "late_by", "silent_for") and not 0 <= rate <= 1:
+                raise ValueError(f"{name}={rate!r} is no rate from 0 to 1")
+
 
 class SimulatedNode:
     """One node, without a bus: `answer` returns its replies to a request.
@@ -81,6 +86,8 @@ class SimulatedNode:
         self.behaviour = behaviour or Behaviour()
         self.values: dict[str, Any] = {}
         self.state = ""
+        self.silent_until = self.last_frame_at = -math.inf
+        """Until when it does not send, and when it sends the last frame, by `time.monotonic()`."""
         self._kept = values
         self._staged: dict[str, Any] = {}
         self._numbering = Numbering()
@@ -109,15 +116,14 @@ class SimulatedNode:
         """The request to this node in a frame; None if it is none."""
         try:
             request: Request[Any] = from_message(frame, self.node.decode_request)
-            if request.ONLY:  # rejected where the node lacks the command
-                request.replace(parameters=self.node.parameters)
+            self.node.check(type(request))
         except CodecError:
             return None
         is_asked = self.node.node in request.REPLIERS if request.REPLIERS else request.node in (None, self.node.node)
         return request if is_asked else None
 
     def answer(self, request: Request[Any]) -> list[Message]:
-        """Executes a request, and returns the replies; none, with a warning, if the parameters of the node do not suffice."""
+        """Executes a request, and returns the replies."""
         states = self.node.edition.client_facts.states
         prevented = states[self.state][1] if self.state else ()
         if not any(effect in prevented for effect in effects_of(request)):
@@ -127,19 +133,16 @@ class SimulatedNode:
                     self._enter(state)
             if not self.behaviour.command(self, request):
                 return []
-        kinds = self.node.edition.replies_to(type(request))
-        return self._frames(kinds, request)[: request.REPLIES]
-
-    def cyclic(self, kind: type[Message]) -> list[Message]:
-        """The frames of one of the replies that a node sends without a request."""
-        return self._frames((kind,), None)
+        return self.frames(self.node.edition.replies_to(type(request)), request)[: request.REPLIES]
 
     def _store(self, request: Request[Any]) -> None:
-        written = {
-            variable: _stored(request, name)
-            for name, variable in request.VARIABLES.items()
-            if name in request.fields() and request.raw()[name] not in request.EXEMPT.get(name, {})
-        }
+        written: dict[str, Any] = {}
+        for name, raw in request.raw().items():
+            if name in request.VARIABLES and raw not in request.EXEMPT.get(name, {}):
+                try:
+                    written[request.VARIABLES[name]] = value_of(request, name)
+                except CodecError:  # it has no scale
+                    written[request.VARIABLES[name]] = raw
         self.values |= written
         effects = self.node.edition.client_facts.effects
         kept = {effects[name][3] for name in effects_of(request)}
@@ -150,7 +153,8 @@ class SimulatedNode:
         if "saved" in kept:
             self._kept |= self._staged
 
-    def _frames(self, kinds: Iterable[type[Message]], request: Request[Any] | None) -> list[Message]:
+    def frames(self, kinds: Iterable[type[Message]], request: Request[Any] | None = None) -> list[Message]:
+        """The frames of replies of some classes; none, with a warning, if the parameters of the node do not suffice."""
         frames: list[Message] = []
         try:
             for kind in kinds:
@@ -164,16 +168,16 @@ class SimulatedNode:
         return frames
 
     def _reply(self, kind: type[Message], request: Request[Any] | None) -> Message:
-        parameters = self.node.parameters
-        names = (name for name in places(kind, parameters) if name is not None)
-        raws = {name: self._raw(kind, name, parameters, request) for name in names}
+        node, parameters = self.node.node, self.node.parameters
+        names = [name for name in places(kind, parameters) if name is not None]
+        raws = {name: self._raw(kind, name, request) for name in names}
         if kind.NODE_FIELD:
-            raws[kind.NODE_FIELD] = self.node.node & kind.NODE_MASK
-        return kind.from_raw(node=self.node.node if hasattr(kind, "NODES") else None, parameters=parameters, **raws)
+            raws[kind.NODE_FIELD] = node & kind.NODE_MASK
+        return kind.from_raw(node=node if hasattr(kind, "NODES") else None, parameters=parameters, **raws)
 
-    def _raw(self, kind: type[Message], name: str, parameters: Any, request: Request[Any] | None) -> Any:
+    def _raw(self, kind: type[Message], name: str, request: Request[Any] | None) -> Any:
         """The raw integer of a field: of its variable, of the same field of the request, or one that is valid."""
-        type_ = kind.TYPES[name]
+        type_, parameters = kind.TYPES[name], self.node.parameters
         variable = kind.VARIABLES.get(name, name)
         if variable in self.values:
             return _nearest_raw(type_, self.values[variable], parameters, name)
@@ -183,14 +187,6 @@ class SimulatedNode:
         return (raw,) * type_.count if isinstance(type_, ArrayType) else raw
 
 
-def _stored(message: Message, name: str) -> Any:
-    """The value of a field as a node stores it: its raw integer where it has no scale."""
-    try:
-        return value_of(message, name)
-    except CodecError:
-        return message.raw()[name]
-
-
 def _nearest_raw(type_: FieldType, value: Any, parameters: Any, name: str) -> Any:
     """The raw integer of a value; of one out of range the nearest limit. Raises CodecError, TypeError."""
     try:
@@ -198,7 +194,7 @@ def _nearest_raw(type_: FieldType, value: Any, parameters: Any, name: str) -> An
     except CodecError as error:
         if error.refusal in (Refusal.NO_SCALE, Refusal.MISSING_PARAMETER):
             return type_.check(value, parameters, name)
-        if error.refusal is not Refusal.OUT_OF_RANGE or isinstance(value, str) or hasattr(value, "__iter__"):
+        if error.refusal is not Refusal.OUT_OF_RANGE or hasattr(value, "__iter__"):
             raise
         low, high = type_.value_range(parameters)
         return type_.raw_range(parameters)[0 if abs(value - low) < abs(value - high) else 1]
@@ -221,8 +217,8 @@ class Simulation:
     `voltage=48`; those of one node are `simulation[1].values`. `delay` is the time in seconds from a request to its reply.
     `own_frames` states whether the bus object returns the frames that it sends.
 
-    `with simulation:` answers in a thread until the end of the block; `run` answers without one. Give the nodes of the client
-    another bus object of the same channel.
+    `with simulation:` answers in a thread until the end of the block, which raises what ended the thread before; `run` answers
+    without one. Give the nodes of the client another bus object of the same channel.
     """
 
     def __init__(
@@ -239,9 +235,6 @@ class Simulation:
         self.bus = bus
         self.nodes = {node.node: SimulatedNode(node, behaviour(), **values) for node in nodes}
         self.faults = faults or Faults()
-        for field in fields(Faults):
-            if field.name not in ("seed", "late_by", "silent_for") and not 0 <= getattr(self.faults, field.name) <= 1:
-                raise ValueError(f"{field.name}={getattr(self.faults, field.name)!r} is no rate from 0 to 1")
         self.received = 0
         """Frames of hosts."""
         self.answered = 0
@@ -251,25 +244,22 @@ class Simulation:
         self._delay = delay
         self._copies = Copies(own_frames)
         self._random = random.Random(self.faults.seed)
-        self._silent: dict[int, float] = {}
         self._due: list[tuple[float, can.Message]] = []
         """What is sent, and when, in this order."""
-        self._last: dict[int, float] = {}
         self._stepped = time.monotonic()
         self._cycles = {
-            (number, kind): self._stepped
-            for number, node in self.nodes.items()
+            (node, kind): self._stepped
+            for node in self.nodes.values()
             for kind in node.node.edition.client_facts.cyclic
         }
-        self._thread: threading.Thread | None = None
         self._is_ending = threading.Event()
-        self._error: BaseException | None = None
+        self._running: Future[None]
 
     def __getitem__(self, number: int) -> SimulatedNode:
         return self.nodes[number]
 
     def run(self, seconds: float | None = None) -> None:
-        """Answers for a time in seconds, or until `stop` or an interrupt. Raises what the bus raises."""
+        """Answers for a time in seconds, or until an interrupt. Raises what the bus raises."""
         until = math.inf if seconds is None else time.monotonic() + seconds
         while not self._is_ending.is_set() and (now := time.monotonic()) < until:
             due = [*(at for at, _ in self._due[:1]), *self._cycles.values()]
@@ -285,32 +275,32 @@ class Simulation:
         seconds, self._stepped = now - self._stepped, now
         for node in self.nodes.values():
             node.behaviour.step(node, seconds)
-        for (number, kind), due in self._cycles.items():
+        for (node, kind), due in self._cycles.items():
             if due <= now:
-                self._cycles[number, kind] = max(due + (kind.EVERY_MS or 0) / 1000, now)
-                if self._silent.get(number, 0.0) <= now:
-                    self._send(number, self.nodes[number].cyclic(kind), now)
+                self._cycles[node, kind] = max(due + (kind.EVERY_MS or 0) / 1000, now)
+                if node.silent_until <= now:
+                    self._send(node, node.frames((kind,)), now)
 
     def receive(self, frame: can.Message, now: float) -> None:
         """Lets the nodes answer a frame."""
         self.received += 1
         faults, chance = self.faults, self._random.random
-        asked = [(number, node, request) for number, node in self.nodes.items() if (request := node.decode(frame))]
+        asked = [(node, request) for node in self.nodes.values() if (request := node.decode(frame))]
         self.rejected += not asked
         if chance() < faults.loss:
             return
-        for number, node, request in asked:
-            if self._silent.get(number, 0.0) > now:
+        for node, request in asked:
+            if node.silent_until > now:
                 continue
             if chance() < faults.power_loss:
                 node.power_on()
             if chance() < faults.echo:
-                self._queue(number, now, frame)
-            self._send(number, node.answer(request), now)
+                self._queue(node, now, frame)
+            self._send(node, node.answer(request), now)
             if chance() < faults.silence:
-                self._silent[number] = now + faults.silent_for
+                node.silent_until = now + faults.silent_for
 
-    def _send(self, number: int, replies: Iterable[Message], now: float) -> None:
+    def _send(self, node: SimulatedNode, replies: Iterable[Message], now: float) -> None:
         """Sends the replies of a node in their order, with faults."""
         faults, chance = self.faults, self._random.random
         for reply in map(to_message, replies):
@@ -320,49 +310,29 @@ class Simulation:
                 bit = self._random.randrange(8 * len(reply.data))
                 reply.data[bit // 8] ^= 1 << bit % 8
             at = now + self._delay + (faults.late_by if chance() < faults.late else 0.0)
-            self._queue(number, at, reply)
+            self._queue(node, at, reply)
             if chance() < faults.twice:
-                self._queue(number, at, reply)
+                self._queue(node, at, reply)
 
-    def _queue(self, number: int, at: float, frame: can.Message) -> None:
+    def _queue(self, node: SimulatedNode, at: float, frame: can.Message) -> None:
         """A node answers in order: what comes after a late frame is late, too."""
-        at = self._last[number] = max(at, self._last.get(number, at))
-        bisect.insort(self._due, (at, frame), key=itemgetter(0))
+        at = node.last_frame_at = max(at, node.last_frame_at)
+        self._due.append((at, frame))
+        self._due.sort(key=itemgetter(0))
 
     def flush(self, now: float) -> None:
         """Sends the frames that are due. Raises what the bus raises."""
         while self._due and self._due[0][0] <= now:
             _, frame = self._due.pop(0)
             self._copies.add(frame_of(frame))
-            self.bus.send(frame)
             self.answered += 1
-
-    def start(self) -> None:
-        """Answers in a thread, until `stop`."""
-        if self._thread is None:
-            self._is_ending.clear()
-            self._thread = threading.Thread(target=self._run, name="canwright simulation", daemon=True)
-            self._thread.start()
-
-    def _run(self) -> None:
-        try:
-            self.run()
-        except BaseException as error:  # the program gets it from `stop`
-            self._error = error
-
-    def stop(self) -> None:
-        """Ends `run` or the thread. Raises what ended the thread before."""
-        self._is_ending.set()
-        if self._thread is not None:
-            self._thread.join()
-            self._thread = None
-        if self._error is not None:
-            error, self._error = self._error, None
-            raise error
+            self.bus.send(frame)
 
     def __enter__(self) -> Self:
-        self.start()
+        self._is_ending.clear()
+        self._running = ThreadPoolExecutor(1, "canwright simulation").submit(self.run)
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.stop()
+        self._is_ending.set()
+        self._running.result()
