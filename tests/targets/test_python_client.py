@@ -216,6 +216,24 @@ def test_motion_wear_and_contact_need_consent(bench: Make) -> None:
         assert bus.sent() == ["141 8C", "141 81", "141 19"]
 
 
+def test_an_effect_is_exempt_if_each_element_is(bench: Make) -> None:
+    """Of a field with several elements, one value without the effect is not enough."""
+
+    class Request:
+        EFFECTS = ("moves", "writes")
+        EXEMPT = {"action": {16: ("moves",)}}
+
+        def __init__(self, *actions: int) -> None:
+            self.actions = actions
+
+        def raw(self) -> dict[str, tuple[int, ...]]:
+            return {"action": self.actions}
+
+    effects_of = bench().client_module.effects_of
+    assert effects_of(Request(16, 16)) == ("writes",)
+    assert effects_of(Request(16, 1)) == ("moves", "writes")
+
+
 def test_a_request_whose_reply_could_not_be_decoded_is_not_sent(bench: Make) -> None:
     """Without the series: else the motor would move, and its reply would be lost. It can be stopped."""
     bus = bench()

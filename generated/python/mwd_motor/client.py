@@ -37,14 +37,10 @@ TIMEOUT = 0.02
 LISTEN = 0.1
 """The longest time in seconds that listening waits at once, so that an interrupt ends it on every system."""
 STOP_TRIES = 3
-SHORTEST = 47 + 64
-"""The bits of a frame with 8 bytes, without stuff bits."""
 BUS_ERRORS = can.CanError, OSError, ValueError
 """What a bus raises that does not work; ValueError after it was closed."""
 ON_EXIT = {"stop": "stop", "off": "switch_off", "nothing": ""}
 """What ends the motion of a node at the end, by the argument `on_exit`."""
-UNSOLICITED = 1 << 12
-"""The most frames without a request that are stored."""
 
 
 class ClientError(Exception):
@@ -201,8 +197,8 @@ class ClientCore:
         if on_exit not in ON_EXIT:
             raise ValueError(f"on_exit={on_exit!r} is none of {', '.join(ON_EXIT)}")
         self.counters = Counters()
-        self.unsolicited: deque[Message] = deque(maxlen=UNSOLICITED)
-        """Frames that nodes sent without a request, the oldest first."""
+        self.unsolicited: deque[Message] = deque(maxlen=4096)
+        """Frames that nodes sent without a request, the oldest first; only the latest are kept."""
         self._numbering = Numbering()
         self._on_exit = on_exit
         self._timeout = timeout
@@ -211,7 +207,7 @@ class ClientCore:
         self._bits = 0
         """Of the frames sent, and of as many replies; 0 without a bit rate."""
         self._moved: set[int] = set()
-        self._check: Callable[[Node[Any, Any], Any], None] = cache(_check)
+        self._jobs: Callable[..., tuple[Sequence[tuple[str, str]], partial[_Job]]] = cache(self._jobs_of)
         self._lock = threading.RLock()
         self._notifier = notifier
         self._reader = can.BufferedReader()
@@ -223,6 +219,8 @@ class ClientCore:
         """Nothing is known of the nodes, and of what the bus returns."""
         self.bus = bus
         self._lost: BusLost | None = None
+        self._until = math.inf
+        """When the next deadline of a line is, or sooner."""
         self._lines: dict[int, Line] = {}
         self._lines_of_id: dict[tuple[int, bool], list[Line]] = {}
         self._lines_without_id: list[Line] = []
@@ -242,7 +240,7 @@ class ClientCore:
                 counters=self.counters,
                 in_order=node.edition.client_facts.answers_in_order,
                 timeout=self._timeout,
-                floor=2 * SHORTEST / self._bit_rate if self._bit_rate else 0.0,
+                floor=2 * 111 / self._bit_rate if self._bit_rate else 0.0,  # bits with 8 bytes, without stuff bits
                 claims=partial(self._claims, node),
             )
             self._lines_of_id |= {(can_id, extended): [line] for can_id, mask, extended, _ in ids if not mask}
@@ -251,7 +249,7 @@ class ClientCore:
 
     def _claims(self, node: Node[Any, Any], frame: Frame) -> bool:
         """Stores a frame that nodes send without a request."""
-        message = decoded(frame, node.decode_reply)
+        message = decoded(node.decode_reply, frame)
         if message is None or not (message.TITLE or {"cyclic", "on_change", "event"} & {*message.SENT}):
             return False
         self.unsolicited.append(message)
@@ -265,32 +263,43 @@ class ClientCore:
             raise ValueError(f"node={number} is none of this client; give one of {[*self.nodes]}")
         return self.nodes[number]
 
-    def _job(self, node: Node[Any, Any], request: Request[Any], timeout: float | None = None, allow: str = "") -> _Job:
-        """The job of a request. Raises ConsentError, and TypeError and CodecError as `_check` does."""
-        self._check(node, type(request))
+    def _jobs_of(
+        self, node: Node[Any, Any], kind: type[Any], effects: Sequence[str]
+    ) -> tuple[Sequence[tuple[str, str]], partial[_Job]]:
+        """Of requests of a class with these effects: those that need more than the consent of the client, and their jobs.
+
+        Raises TypeError for another edition, and CodecError if the node lacks the command or its reply could not be decoded.
+        """
         edition, facts = node.edition, node.edition.client_facts
-        effects = [facts.effects[name] for name in effects_of(request)]
-        ends_motion = type(request) in facts.ends_motion.values()
-        for title, consent, _, _ in () if ends_motion else effects:
-            if consent not in ("none", self._allowed.get(node.node), *allow.split()):
-                raise ConsentError(request, title, consent)
-        if timeout is None:
-            timeout = self._timeout + (request.REPLY_WITHIN_MS or edition.REPLY_WITHIN_MS or 0.0) / 1000
-        message, decode, parameters = to_message(request), partial(edition.decode_answer, request), node.parameters
-        return _Job(
-            key=type(request),
-            frame=frame_of(message),
-            accept=lambda frame: decoded(frame, decode, parameters),
-            timeout=timeout,
-            frames=request.REPLIES or 1,
+        node.check(kind)
+        ends_motion = kind in facts.ends_motion.values()  # this needs no consent, and its reply does not matter
+        for reply in () if ends_motion else edition.replies_to(kind):
+            places(reply, node.parameters)
+        consents = [facts.effects[name][:2] for name in effects]
+        given = "none", self._allowed.get(node.node)
+        return [pair for pair in consents if pair[1] not in given and not ends_motion], partial(
+            _Job,
+            key=kind,
+            timeout=self._timeout + (kind.REPLY_WITHIN_MS or edition.REPLY_WITHIN_MS or 0.0) / 1000,
+            frames=kind.REPLIES or 1,
             is_read=not effects and bool(facts.effects),
-            differs=request.DIFFERS,
-            message=message,
+            differs=kind.DIFFERS,
             node=node,
-            request=request,
-            moves=MOTION in [consent for _, consent, _, _ in effects],
+            moves=any(consent == MOTION for _, consent in consents),
             ends_motion=ends_motion,
         )
+
+    def _job(self, node: Node[Any, Any], request: Request[Any], timeout: float | None = None, allow: str = "") -> _Job:
+        """The job of a request. Raises ConsentError, and TypeError and CodecError as `_jobs_of` does."""
+        needed, job_of = self._jobs(node, type(request), effects_of(request))
+        for title, consent in needed:
+            if consent not in allow.split():
+                raise ConsentError(request, title, consent)
+        message = to_message(request)
+        answer = partial(node.edition.decode_answer, request, parameters=node.parameters)
+        job = job_of(frame=frame_of(message), accept=partial(decoded, answer), message=message, request=request)
+        job.timeout = job.timeout if timeout is None else timeout
+        return job
 
     # Frames
 
@@ -343,6 +352,14 @@ class ClientCore:
         """Sends what a line asks for."""
         while call is not None and call.message is not None and not self._transmit(call.message):
             call = line.not_sent(now)
+        self._until = min(self._until, line.deadline)
+
+    def _tick(self, lines: Iterable[Line], now: float) -> None:
+        """The next deadline is reached."""
+        for line in lines:
+            if now >= line.deadline:
+                self._send_calls(line, line.tick(now), now)
+        self._until = min([line.deadline for line in lines])
 
     # What the methods of both clients do
 
@@ -352,6 +369,7 @@ class ClientCore:
         clock = time.monotonic
         pending = [job for job in jobs if job.error is None]
         lines = dict.fromkeys([self._lines[job.node.node] for job in pending])
+        self._until = math.inf
         try:
             while (frame := await self._receive(0.0)) is not None:  # what came before is no reply
                 self._feed(frame, clock())
@@ -360,14 +378,12 @@ class ClientCore:
                 self._send_calls(line, line.open(job, now), now)
             for job in pending:
                 while job.at is None:
-                    until = min([line.deadline for line in lines])
-                    frame = await self._receive(until)
+                    frame = await self._receive(self._until)
                     now = clock()
                     if frame is not None:
                         self._feed(frame, now)
-                    for line in lines if now >= until else ():
-                        if now >= line.deadline:
-                            self._send_calls(line, line.tick(now), now)
+                    if now >= self._until:
+                        self._tick(lines, now)
         except BusLost as error:
             for job in pending:
                 job.error = error if job.at is None else None
@@ -537,17 +553,6 @@ class ClientCore:
         unconfirmed, self._moved = sorted(self._moved), set()
         if unconfirmed and self._on_exit != "nothing":
             warnings.warn(f"nodes did not confirm {self._on_exit}, and may still move: {unconfirmed}", stacklevel=2)
-
-
-def _check(node: Node[Any, Any], kind: type[Any]) -> None:
-    """Raises TypeError for requests of another edition, and CodecError if the node lacks the command or its reply could not be decoded.
-
-    The reply to what ends a motion does not matter.
-    """
-    node.check(kind)
-    if kind not in node.edition.client_facts.ends_motion.values():
-        for reply in node.edition.replies_to(kind):
-            places(reply, node.parameters)
 
 
 def _is_repeatable(node: Node[Any, Any], request: Message) -> bool:

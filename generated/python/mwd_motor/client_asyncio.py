@@ -85,8 +85,6 @@ class AsyncClient(ClientCore):
         super()._use(bus)
         self._reading: asyncio.Future[can.Message | None] | None = None
         """A thread that reads a bus without a file descriptor."""
-        self._is_empty = False
-        """Whether the bus has a file descriptor, and had no frame at the last look; then it has one when it is readable."""
         self._file = -1
         with contextlib.suppress(NotImplementedError):
             self._file = -1 if self._notifier else bus.fileno()
@@ -99,15 +97,14 @@ class AsyncClient(ClientCore):
 
     async def _next_frame(self, until: float) -> can.Message | None:
         if self._reading is None:
-            left = until - time.monotonic()
-            if self._is_empty and left > 0:
-                await self._readable(left)
             message = self._receiver()(0)
-            self._is_empty = self._file >= 0 and message is None
-            if message is not None or left <= 0 or self._is_empty:
+            left = until - time.monotonic()
+            if message is not None or left <= 0:
                 return message
-            loop = asyncio.get_running_loop()
-            self._reading = loop.run_in_executor(None, self._receiver(), min(left, LISTEN))
+            if self._file >= 0:
+                await self._readable(left)
+                return self._receiver()(0)
+            self._reading = asyncio.get_running_loop().run_in_executor(None, self._receiver(), min(left, LISTEN))
         try:
             return await asyncio.shield(self._reading)  # a frame that comes after a cancellation is the next one
         finally:

@@ -12,7 +12,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
@@ -106,12 +106,12 @@ class SimulatedNode:
         """Starts again: with the first values and those that are kept after power-off, in the state after power-up."""
         self.values = dict(self._kept)
         self._staged.clear()
-        self._enter(next(iter(self.node.edition.client_facts.states), ""))
+        for state in [*self.node.edition.client_facts.states][:1]:
+            self._enter(state)
 
     def _enter(self, state: str) -> None:
         self.state = state
-        if state:
-            self.values |= self.node.edition.client_facts.states[state][2]
+        self.values |= self.node.edition.client_facts.states[state][2]
 
     def decode(self, frame: can.Message) -> Request[Any] | None:
         """The request to this node in a frame; None if it is none."""
@@ -170,8 +170,7 @@ class SimulatedNode:
 
     def _reply(self, kind: type[Message], request: Request[Any] | None) -> Message:
         node, parameters = self.node.node, self.node.parameters
-        names = [name for name in places(kind, parameters) if name is not None]
-        raws = {name: self._raw(kind, name, request) for name in names}
+        raws = {name: self._raw(kind, name, request) for name in places(kind, parameters) if name is not None}
         if kind.NODE_FIELD:
             raws[kind.NODE_FIELD] = node & kind.NODE_MASK
         return kind.from_raw(node=node if hasattr(kind, "NODES") else None, parameters=parameters, **raws)
@@ -254,7 +253,6 @@ class Simulation:
             for kind in node.node.edition.client_facts.cyclic
         }
         self._is_ending = threading.Event()
-        self._running: Future[None]
 
     def __getitem__(self, number: int) -> SimulatedNode:
         return self.nodes[number]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 
@@ -66,11 +65,11 @@ def from_message(frame: can.Message, decode: Any, parameters: Any = None) -> Any
     return message
 
 
-def decoded(frame: Frame, decode: Callable[..., M], *parameters: Any) -> M | None:
+def decoded(decode: NodeDecoder[M], frame: Frame) -> M | None:
     """The message in a frame; None if it is rejected, also one of CAN FD for a classic bus."""
     can_id, extended, remote, fd, data = frame
     try:
-        message: Any = decode(can_id, data, *parameters, extended=extended, remote=remote)
+        message: Any = decode(can_id, data, extended=extended, remote=remote)
     except CodecError:
         return None
     return message if message.FD or not fd else None
@@ -102,7 +101,7 @@ class OwnFrames:
         while (left := deadline - monotonic()) > 0 and (frame := bus.recv(left)) is not None:
             if frame_of(frame) == sent:
                 is_returned = True
-            elif not is_answered and decoded(frame_of(frame), decode) is not None:
+            elif not is_answered and decoded(decode, frame_of(frame)) is not None:
                 is_answered = True
                 deadline = min(deadline, monotonic() + LATER_COPY)
         if not (is_returned or is_answered):
