@@ -24,6 +24,10 @@ from .picture import Drawing, Drawings
 from .tables import code_of, codes, index
 
 
+MANY = 4
+"""An erratum of more commands than these, as of a type that many have, is only a link on their pages."""
+
+
 class Worked(NamedTuple):
     """A golden frame and its meaning in Markdown, without a language: `means % labels` is the meaning."""
 
@@ -210,7 +214,8 @@ class Common:
                 "effects": [e for e in first.effects if all(e in command.effects for command in group)],
                 "previous": previous[0] if previous else None,
                 "following": following[0] if following else None,
-                "errata": errata,
+                "errata": [e for e in errata if len(self.touched[e.id]) <= MANY],
+                "errata_of_many": [e for e in errata if len(self.touched[e.id]) > MANY],
                 "shared_errata": [e.id for e in errata if not {*self.touched[e.id]} <= {c.name for c in group}],
                 "stops": [s for s in stops if s.mode == first.mode and _moves(first) and not first.ends_motion],
             }

@@ -21,9 +21,9 @@
   const menu = document.querySelector(".sidebar-scroll");
   if (current && menu) { menu.scrollTop += current.getBoundingClientRect().top - menu.getBoundingClientRect().top - menu.clientHeight / 3; }
 
-  // What scrolls sideways can be scrolled with the keyboard.
+  // What scrolls can be scrolled with the keyboard.
   for (const wide of document.querySelectorAll("pre, .table-wrapper")) {
-    if (wide.scrollWidth > wide.clientWidth) { wide.tabIndex = 0; }
+    if (wide.scrollWidth > wide.clientWidth || wide.scrollHeight > wide.clientHeight) { wide.tabIndex = 0; }
   }
 
   window.canwright = {}; // for the script that reads frames, which is that of the frame explorer
