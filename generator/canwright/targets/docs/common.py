@@ -23,7 +23,6 @@ from .links import COMMANDS, explorer_link, field_anchor
 from .picture import Drawing, Drawings
 from .tables import code_of, codes, index
 
-
 MANY = 4
 """An erratum of more commands than these, as of a type that many have, is only a link on their pages."""
 
