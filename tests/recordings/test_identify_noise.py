@@ -183,7 +183,9 @@ def test_no_edition_fits_foreign_traffic(frames: Callable[[], Frames]) -> None:
 
 
 def test_requests_without_replies_are_counted() -> None:
-    (result,) = identified([*dead_motor(), CanFrame(0x141, bytes.fromhex("9A3200E701000000"))]).nodes
+    request, reply = CanFrame(0x141, b"\x9a" + bytes(7)), CanFrame(0x141, bytes.fromhex("9A3200E701000000"))
+    log = [LogFrame(at * 10**7, "can0", request, None) for at in range(50)]
+    (result,) = identify([*log, LogFrame(49 * 10**7 + 300_000, "can0", reply, None)], [*EDITIONS.values()]).nodes
     best = next(score for score in result.scores if score.edition.name == "v2.35")
     assert (best.requests, dict(best.unanswered)) == (50, {"read_status_1": 49})
 

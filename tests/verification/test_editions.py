@@ -7,7 +7,9 @@ from itertools import islice
 from pathlib import Path
 
 import pytest
+from canwright.model.message import Direction
 from canwright.project.loader import spec_files, specification
+from canwright.recordings.directions import Directions
 from canwright.recordings.identify import Identifier
 from canwright.recordings.log_frame import LogFrame
 from canwright.semantics.frame import CanFrame
@@ -44,6 +46,14 @@ def test_the_frame_after_which_a_node_has_another_edition() -> None:
     changed = next(number for number, frame in enumerate(log) if frame.motor is motors[1])
     assert second.start == (changed, log[changed].time * 1000)
     assert (first.start, third.start) == (None, None)
+
+
+def test_replies_without_requests_are_no_requests_with_old_bytes() -> None:
+    """A recorder that does not see requests, and few replies that follow the one before sooner than others."""
+    (case,) = (case for case in editions.cases(60, 60) if case.name == "v2.35, replies only, marks none, 60 rounds, 60")
+    directions = Directions({}, specification(ROOT / "spec/mwd_motor/v2.35.yaml").edition)
+    judged = directions.classify(map(recorded, case.frames))
+    assert {each.direction for each in judged if each.recorded.frame.data[0] == 0x9A} == {Direction.REPLY}
 
 
 def recorded(frame: Frame) -> LogFrame:

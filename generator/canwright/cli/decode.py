@@ -21,10 +21,11 @@ from ..model.message import Direction
 from ..recordings import candump, plot as pictures, split as split_logs
 from ..recordings.doubts import copies, doubts
 from ..recordings.exports import CsvLines, JsonLines, bus_name
+from ..recordings.kept_frames import MAX_STREAMED
 from ..recordings.log_frame import Counts, LogFrame, SkippedPart
 from ..recordings.mcap_file import McapFile
 from ..recordings.new_files import is_overwritten, new_file, new_folder, same_path
-from ..recordings.nodes import Nodes, NodeSetting, follow
+from ..recordings.nodes import Identifiers, Nodes, NodeSetting, follow
 from ..recordings.packages import MissingPackageError
 from ..recordings.parquet import ParquetTables
 from ..recordings.pasted import pasted_frame
@@ -182,7 +183,8 @@ def decode(
             log, bus_arguments, is_followed=followed, has_differences=has_differences, is_split=is_split
         )
         with source as recording:
-            _decode(recording, editions, set_, outputs, window, direction_of(recorder))
+            within = None if window is None else int(window * 1_000_000)
+            _decode(recording, editions, set_, outputs, within, direction_of(recorder))
     except (LogError, MissingPackageError, OSError) as error:
         if isinstance(error, BrokenPipeError):  # of the standard output
             raise
@@ -234,14 +236,14 @@ def _decode(
     editions: Sequence[Edition],
     settings: Sequence[NodeSetting],
     outputs: Outputs,
-    window: float | None,
+    window: int | None,
     recorder: Direction | None,
 ) -> None:
-    nodes = known_nodes(log, editions, settings, recorder)
+    nodes = known_nodes(log, editions, settings, recorder, window)
     with ended_by_interrupt(log):
         frames: Iterable[LogFrame] = log
         if nodes is None:
-            nodes, frames = follow(log, editions, settings, recorder)
+            nodes, frames = follow(log, Identifiers(editions, recorder, window, MAX_STREAMED), settings)
         is_clean = _print(log, frames, nodes, editions, outputs, window, recorder)
     if log.is_ended:
         sys.exit(INTERRUPTED)
@@ -255,7 +257,7 @@ def _print(
     nodes: Nodes,
     editions: Sequence[Edition],
     outputs: Outputs,
-    window: float | None,
+    window: int | None,
     recorder: Direction | None,
 ) -> bool:
     """Prints rows, summary and remarks of a log. Returns whether it has no findings."""

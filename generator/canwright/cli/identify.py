@@ -63,9 +63,11 @@ def identify(
     """Show which editions a recorded exchange fits, and why.
 
     Each node of each bus is identified separately. LOG is a log of candump, ASC, BLF, TRC, MF4, CSV, pcap or another form, or
-    - for the standard input. Without LOG, a bus of python-can is read until Ctrl-C. No frame contains its edition; the result follows from ids, codes, replies, reserved bits
-    and plausible ranges of all frames, and may be undecided. If a node gets another edition, the result names the frame
-    and the time of the change. Without --spec and without a folder spec/, the editions in the package are compared.
+    - for the standard input. Without LOG, a bus of python-can is read until Ctrl-C. No frame contains its edition: the frames
+    are decoded with each edition, and the result follows from the ids, codes, replies, reserved bits and values that it
+    explains. It may be undecided. If a node gets another edition, the result names the frame and the time of the change. Of a
+    log with more than 16384 frames, the first frames of each kind and samples of all its parts are compared. Without --spec
+    and without a folder spec/, the editions in the package are compared.
 
     Exit status: 0 if the edition of every node is identified and does not change, 1 if not, or if each frame is recorded
     twice, as by two recorders; 2 if it could not run, 130 if Ctrl-C ended the log, after its result. Nodes with few frames,
@@ -119,7 +121,8 @@ def print_identification(editions: Sequence[Edition], identification: Identifica
         result = group.result
         where = ", ".join([family, *([bus_name(result.bus)] if has_buses else []), node_names(group.nodes)])
         since = f" from {at_frame(result.start)}" if result.start else ""
-        print_text(f"{where}{since}, {counted(result.frames, 'frame')}: {_outcome(result)}\n")
+        compared = f" ({result.frames} of them compared)" if result.frames < result.total else ""
+        print_text(f"{where}{since}, {counted(result.total, 'frame')}{compared}: {_outcome(result)}\n")
         if result.unexplained:
             ignored = _some([f"{sent(frame)} ({n})" for frame, n in result.unexplained])
             print_text(f"  {counted(result.frames - result.judged, 'frame')} of no edition, ignored: {ignored}\n")
@@ -217,7 +220,8 @@ def _facts(family: str, identification: Identification, counts: Counts) -> dict[
         {
             "bus": result.bus,
             "node": result.node,
-            "frames": result.frames,
+            "frames": result.total,
+            "compared": result.frames,
             "start": result.start and {"number": result.start.number, "time_ns": result.start.time},
             "stray": result.is_stray,
             "fits": [edition.name for edition in result.editions],

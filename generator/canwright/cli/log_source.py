@@ -62,18 +62,21 @@ def ended_by_interrupt(log: Log) -> Iterator[None]:
 
 
 def known_nodes(
-    log: Log, editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction | None
+    log: Log,
+    editions: Sequence[Edition],
+    settings: Sequence[NodeSetting],
+    recorder: Direction | None,
+    window: int | None = None,
 ) -> Nodes | None:
     """The nodes of a log, which is read once to identify them; None for a stream whose nodes may have several editions."""
     common = common_edition(editions, settings)
     if common is not None:
         return Nodes([common], settings, common)
-    return nodes_of(_identified(log, editions, recorder), settings) if log.is_file else None
+    return nodes_of(_identified(log, Identifiers(editions, recorder, window)), settings) if log.is_file else None
 
 
-def _identified(log: Log, editions: Sequence[Edition], recorder: Direction | None) -> Identifier:
+def _identified(log: Log, identifiers: Identifiers) -> Identifier:
     """All frames of a log in a file, with the editions that they fit."""
-    identifiers = Identifiers(editions, recorder)
     again = open_log(log.name, has_differences=log.has_differences, is_split=log.is_split)
     with again as frames, progress("frames", shown=True) as advance:
         for number, frame in enumerate(frames):
@@ -83,12 +86,12 @@ def _identified(log: Log, editions: Sequence[Edition], recorder: Direction | Non
     return identifiers.best
 
 
-def log_directions(log: Log, nodes: Nodes, recorder: Direction | None, window: float | None = None) -> Directions:
-    """What decides on the directions of the frames of a log; a request is answered within `window` ms."""
+def log_directions(log: Log, nodes: Nodes, recorder: Direction | None, window: int | None = None) -> Directions:
+    """What decides on the directions of the frames of a log; a request is answered within `window` ns."""
     return Directions(
         nodes.editions,
         nodes.default,
-        window=None if window is None else int(window * 1_000_000),
+        window=window,
         recorder=recorder,
         is_stream=not log.is_file,
         further=nodes.family,

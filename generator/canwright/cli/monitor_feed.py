@@ -19,9 +19,10 @@ from ..model.message import Direction
 from ..recordings.bus_log import BusLog, errors_of_use, sentence
 from ..recordings.by_python_can import recorded_frame
 from ..recordings.directions import DirectedFrame
+from ..recordings.kept_frames import MAX_STREAMED
 from ..recordings.latest_values import SECOND, LatestValues
 from ..recordings.log_frame import LogFrame, SkippedPart
-from ..recordings.nodes import NodeSetting, follow
+from ..recordings.nodes import Identifiers, NodeSetting, follow
 from ..recordings.readers import PAUSE, Log, LogError
 from ..recordings.rows import Row, RowReader
 from .bus import BusArguments, returns_own_frames
@@ -290,7 +291,8 @@ class Feed:
         log, nodes = self.source.log, self.nodes
         frames: Iterable[LogFrame] = log
         if nodes is None:
-            nodes, frames = follow(log, self._editions, self._settings, Direction.REQUEST)
+            identifiers = Identifiers(self._editions, Direction.REQUEST, kept=MAX_STREAMED)
+            nodes, frames = follow(log, identifiers, self._settings)
             self.nodes = nodes
         directions = log_directions(log, nodes, Direction.REQUEST)
         reader = RowReader(nodes.assignment, nodes.label)

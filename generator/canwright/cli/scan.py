@@ -92,7 +92,7 @@ def scan(
             scanner.learn()
             answering = [number for number, frames in recorded.items() if probes.is_answered(number, frames)]
             for number in answering:
-                fitting = _identifiers(probes.editions, recorded[number]).best.result().nodes[0].editions
+                fitting = _identifiers(probes.editions, recorded[number], timeout).best.result().nodes[0].editions
                 recorded[number] += scanner.ask(probes.further(number, fitting or probes.editions))
         except errors_of_use() as error:
             stop(f"{lost(error)}; if nothing acknowledges frames, check power, wiring and bit rate")
@@ -103,15 +103,15 @@ def scan(
     if not answering:
         print_text(f"no answer of {node_names(numbers)}\n")
         sys.exit(FINDINGS)
-    identifiers = _identifiers(probes.editions, [frame for number in answering for frame in recorded[number]])
+    identifiers = _identifiers(probes.editions, [frame for number in answering for frame in recorded[number]], timeout)
     identification = identifiers.best.result()
     print_identification(identifiers.best.editions, identification, Counts())
     if not identification.is_complete:
         sys.exit(FINDINGS)
 
 
-def _identifiers(editions: Sequence[Edition], frames: Iterable[LogFrame]) -> Identifiers:
-    identifiers = Identifiers(editions, Direction.REQUEST)
+def _identifiers(editions: Sequence[Edition], frames: Iterable[LogFrame], timeout: float) -> Identifiers:
+    identifiers = Identifiers(editions, Direction.REQUEST, int(timeout * 1e9))
     for frame in frames:
         identifiers.add(frame)
     return identifiers

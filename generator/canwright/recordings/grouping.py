@@ -42,6 +42,7 @@ def _merged(results: Sequence[NodeResult]) -> NodeResult:
         return first
     return dataclasses.replace(
         first,
+        total=sum(result.total for result in results),
         frames=sum(result.frames for result in results),
         unexplained=tuple(
             sorted((item for result in results for item in result.unexplained), key=lambda item: -item[1])

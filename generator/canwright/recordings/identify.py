@@ -1,39 +1,44 @@
 """Identification of the editions that a log fits, for each node of each bus.
 
-No frame contains the edition, so this counts what an edition does not allow: ids, codes, lengths, reserved bits, names
-and ranges. Some frames of a log are corrupted or belong to other protocols, so an edition fits only if
+No frame contains the edition, so the frames of each node are decoded with each edition, and this counts what an edition
+does not explain: ids, codes, lengths, reserved bits, names and ranges. Some frames of a log are corrupted or belong to
+other protocols, so an edition fits only if
 
 - most frames of the node are a message of some edition, and the edition explains nearly all of these;
 - most requests that have a reply are answered, unless the log lacks requests;
 - there is not clearly more against it than against the best edition, in kinds of frames that are not rare.
 
-Requests cannot decide: hosts leave reserved bits uncleared, and try codes. Implausible values count against an edition,
-but do not exclude it. If several editions fit, the result lists all.
+Requests cannot decide: hosts leave reserved bits uncleared, and try codes. If several editions fit, the result lists all.
+
+No edition explains all frames of a node that gets another firmware while a log is recorded. Then the log is divided in
+two where most is explained, and each part is read for itself.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import itertools
+import functools
+import operator
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ..model.edition import Edition
-from ..model.message import Direction, IdRule
-from ..semantics.frame import CanFrame, node_in_id, node_of
-from .changes import BLOCK, NodeFrames
-from .log_frame import LogFrame, Mark
+from ..model.message import Direction
+from ..semantics.candidates import Candidates
+from ..semantics.frame import CanFrame, node_of
+from .frame_classes import frame_classes
+from .kept_frames import MAX_KEPT, Arrival, KeptFrames, Kind, NodeFrames
+from .log_frame import LogFrame, new_tuple
+from .parts import Runs, results
+from .readings import EditionReader
 from .results import Identification, NodeResult
-from .scoring import Observation, ScoredClass, ScoredClasses
-from .steps import Circumstances, Repetition, State, Step, Waiting, meaning
 
 MAX_KNOWN = 1 << 16
-"""The maximum number of ids, and of steps between two states, that are remembered."""
-MAX_COUNTED = 1 << 12
-"""The maximum number of codes of an id or keys of a code that are remembered."""
+"""The maximum number of ids, and of kinds of frames of an id, that are remembered."""
 MAX_FOREIGN = 1 << 10
 """The maximum number of foreign ids that are counted one by one."""
+NEAR = 32
+"""The number of frames of a log within which the next frame of a node is near."""
 STRAY = 20
 """A node with at most one of so many frames as the busiest node of its bus is stray, if its frames are far apart."""
 
@@ -46,37 +51,45 @@ def identify(recorded: Iterable[LogFrame], editions: Sequence[Edition]) -> Ident
     return identifier.result()
 
 
-@dataclass(slots=True)
-class _IdState:
-    """The frames of one id and length, by the bytes of their first key; `rule` is None if the id belongs to no edition.
+_NUMBER = operator.attrgetter("number")
 
-    Of each first key, these are the bits that identify a frame further, and the nodes and kinds of frames by these.
+
+class _Line:
+    """The kinds of frames with one id and length on a bus, by the bits of their keys; these are None for a foreign id.
+
+    The keys of one message can be values of another one, so that many are of one kind.
     """
 
-    rule: IdRule | None
-    first: slice[int, int, None]
-    codes: dict[bytes, tuple[int, dict[int, tuple[int | None, ScoredClass]]]]
+    __slots__ = ("key_bits", "kinds", "of_messages")
+
+    def __init__(self, key_bits: int | None) -> None:
+        self.key_bits = key_bits
+        self.kinds: dict[int, Kind] = {}
+        self.of_messages: dict[tuple[object, ...], Kind] = {}
 
 
 class Identifier:
-    """Identifies the editions of the nodes of a log, frame by frame. Memory does not grow with the log.
+    """Identifies the editions of the nodes of a log. Memory does not grow with the log.
 
     `recorder` is the direction of the frames that the log marks as sent; received ones have the other direction; None if
-    marks do not count. Marks count on a bus that has both kinds of one node, but not for a node to which nothing is
-    sent: another host asks it.
+    marks do not count. A request is answered within `window` ns; None for the time that suits the editions and the log.
+    At most `kept` frames are compared.
     """
 
-    def __init__(self, editions: Sequence[Edition], recorder: Direction | None = Direction.REQUEST) -> None:
-        opposite = Direction.REPLY if recorder is Direction.REQUEST else Direction.REQUEST
+    def __init__(
+        self,
+        editions: Sequence[Edition],
+        recorder: Direction | None = Direction.REQUEST,
+        window: int | None = None,
+        kept: int = MAX_KEPT,
+    ) -> None:
         self.editions = editions
-        self.marked: set[str] = set()
-        """The buses with sent and received frames of one node."""
-        self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: opposite} if recorder else {}
-        self._kinds = ScoredClasses(editions)
-        self._lines: dict[tuple[int, bool, bool, int], _IdState] = {}
+        self._classes = [frame_classes(edition) for edition in editions]
+        self._candidates = [Candidates(edition) for edition in editions]
+        self._readers = [EditionReader(edition, editions, recorder, window) for edition in editions]
+        self._lines: dict[tuple[str, int, bool, bool, int], _Line] = {}
         self._nodes: dict[tuple[str, int | None], NodeFrames] = {}
-        self._states: dict[tuple[Waiting, ...], State] = {}
-        self._steps = 0
+        self._kept = KeptFrames(kept)
         self._number = 0
         self._foreign: Counter[tuple[int, bool, bool]] = Counter()
         self._foreign_count = 0
@@ -88,125 +101,88 @@ class Identifier:
 
     def add(self, recorded: LogFrame) -> NodeFrames | None:
         """The next frame of the log; returns the frames of its node, None if its id belongs to no edition."""
-        _, bus, frame, mark = recorded
+        _, bus, frame, _ = recorded
         id_, content, extended, remote = frame
         number = self._number
         self._number = number + 1
-        line = self._lines.get((id_, extended, remote, len(content))) or self._line(frame)
-        if line.rule is None:
+        line = self._lines.get((bus, id_, extended, remote, len(content))) or self._line(bus, frame)
+        if line.key_bits is None:
             self._foreign_count += 1
             foreign = id_, extended, remote
             if foreign in self._foreign or len(self._foreign) < MAX_FOREIGN:
                 self._foreign[foreign] += 1
             return None
-        key_bits, places = line.codes.get(content[line.first]) or self._code(line, frame)
-        bits = key_bits and int.from_bytes(content, "little") & key_bits
-        node_number, kind = places.get(bits) or self._place(line.rule, places, bits, frame)
-        node = self._nodes.get((bus, node_number)) or self._frames_of(bus, node_number)
-        observation = kind.observation(id_, content)
-        direction = self._direction(node, mark) if mark is not None and self._of_mark else None
-        repetition = node.repetitions.place(recorded, kind)
-        known = observation if direction is None and repetition is None else (observation, direction, repetition)
-        step = node.state.steps.get(known) or self._step(node, observation, direction, repetition)
-        node.state = step.then
-        node.recent.append((step, number, recorded))
-        if len(node.recent) >= BLOCK:
-            node.examine()
+        key = int.from_bytes(content, "little") & line.key_bits
+        kind = line.kinds.get(key) or self._kind(line, key, bus, frame)
+        kind.count += 1
+        node = kind.node
+        node.total += 1
+        if number - node.last <= NEAR:
+            node.near += 1
+        node.last = number
+        self._kept.add(new_tuple(Arrival, (number, recorded, kind)))
         return node
 
     def results_of(self, node: NodeFrames) -> list[NodeResult]:
         """The result of each part of the frames of a node so far."""
-        node.examine()
-        busiest = max(each.frames for each in self._nodes.values() if each.bus == node.bus)
-        return self._results(node, busiest)
+        busiest = max(each.total for each in self._nodes.values() if each.bus == node.bus)
+        return self._results(node, self._runs().get(node, ()), busiest)
 
     def result(self) -> Identification:
         """The identification of the frames so far."""
         busiest: Counter[str] = Counter()
         for node in self._nodes.values():
-            node.examine()
-            busiest[node.bus] = max(busiest[node.bus], node.frames)
+            busiest[node.bus] = max(busiest[node.bus], node.total)
+        runs = self._runs()
         listed = sorted(self._nodes.values(), key=lambda node: (node.bus, node.number or -1))
-        results = [result for node in listed for result in self._results(node, busiest[node.bus])]
+        results = [result for node in listed for result in self._results(node, runs.get(node, ()), busiest[node.bus])]
         nodes = tuple(_with_broadcasts(results))
         return Identification(self._number, self._foreign_count, dict(self._foreign.most_common()), nodes)
 
-    def _results(self, node: NodeFrames, busiest: int) -> list[NodeResult]:
-        is_stray = STRAY * node.frames <= busiest and 2 * node.near < node.frames
-        nothing: tuple[Waiting, ...] = ((),) * len(self.editions)
-        waiting = [*(nothing for _ in node.tallies[1:]), node.state.waiting]
-        return [
-            dataclasses.replace(tally.result(node.bus, node.number, open_), is_stray=is_stray)
-            for tally, open_ in zip(node.tallies, waiting, strict=True)
-        ]
-
-    def _direction(self, node: NodeFrames, mark: Mark) -> Direction | None:
-        """The direction that a mark of a frame of a node states; None if it does not count so far."""
-        if mark not in node.marks:
-            node.marks.add(mark)
-            if len(node.marks) == len(Mark):
-                self.marked.add(node.bus)
-        to_all = self._nodes.get((node.bus, None), node)
-        is_asked = Mark.SENT in node.marks or Mark.SENT in to_all.marks
-        return self._of_mark[mark] if is_asked and node.bus in self.marked else None
-
-    def _line(self, frame: CanFrame) -> _IdState:
+    def _line(self, bus: str, frame: CanFrame) -> _Line:
         """The frames with the id and length of a frame, remembered."""
         if len(self._lines) >= MAX_KNOWN:
             self._lines.clear()
-        having = self._kinds.messages(frame)
-        line = _IdState(having[0].id if having else None, self._kinds.first_key(frame), {})
-        self._lines[frame.id, frame.extended, frame.remote, len(frame.data)] = line
+        having = [own for own in (classes.id_class(frame) for classes in self._classes) if own.nodes]
+        key_bits = functools.reduce(operator.or_, (own.key_bits for own in having), 0) if having else None
+        line = self._lines[bus, frame.id, frame.extended, frame.remote, len(frame.data)] = _Line(key_bits)
         return line
 
-    def _code(self, line: _IdState, frame: CanFrame) -> tuple[int, dict[int, tuple[int | None, ScoredClass]]]:
-        """The frames with the first key of a frame, remembered for its line."""
-        if len(line.codes) >= MAX_COUNTED:
-            line.codes.clear()
-        code = line.codes[frame.data[line.first]] = self._kinds.further_bits(frame), {}
-        return code
+    def _kind(self, line: _Line, key: int, bus: str, frame: CanFrame) -> Kind:
+        """The frames with the keys of a frame, remembered."""
+        if len(line.kinds) >= MAX_KNOWN:
+            line.kinds.clear()
+            line.of_messages.clear()
+        messages = [message for candidates in self._candidates for message in candidates.of(frame)]
+        in_id = (number for classes in self._classes for number in classes.id_class(frame).nodes)
+        number = next((n for n in (*in_id, *(node_of(message, frame) for message in messages)) if n is not None), None)
+        node = self._nodes.get((bus, number))
+        if node is None:
+            node = self._nodes[bus, number] = NodeFrames(bus, number)
+        alike = (node, *messages) if messages else (node, frame.data[:1])
+        kind = line.kinds[key] = line.of_messages.setdefault(alike, Kind(node))
+        return kind
 
-    def _place(
-        self, rule: IdRule, places: dict[int, tuple[int | None, ScoredClass]], bits: int, frame: CanFrame
-    ) -> tuple[int | None, ScoredClass]:
-        """The number of the node, and the kind, of a frame, remembered by the bits that identify it."""
-        if len(places) >= MAX_COUNTED:
-            places.clear()
-        in_id = (node_in_id(message, frame) for message in self._kinds.messages(frame))
-        in_data = (node_of(message, frame) for message in self._kinds.candidates(frame))
-        number = next((n for n in itertools.chain(in_id, in_data) if n is not None), None)
-        place = places[bits] = number, self._kinds.kind(frame, rule)
-        return place
+    def _runs(self) -> Mapping[NodeFrames, Runs]:
+        """The kept frames of each node."""
+        runs: dict[NodeFrames, list[Sequence[Arrival]]] = {}
+        for run in self._kept.runs():
+            by_node: dict[NodeFrames, list[Arrival]] = {}
+            for arrival in run:
+                by_node.setdefault(arrival.kind.node, []).append(arrival)
+            to_all = {node.bus: own for node, own in by_node.items() if node.number is None}
+            for node, own in by_node.items():
+                is_asked = node.number is not None and node.bus in to_all
+                merged = sorted(own + to_all[node.bus], key=_NUMBER) if is_asked else own
+                runs.setdefault(node, []).append(merged)
+        return runs
 
-    def _frames_of(self, bus: str, number: int | None) -> NodeFrames:
-        state = self._state(((),) * len(self.editions))
-        node = self._nodes[bus, number] = NodeFrames(bus, number, self.editions, state)
-        return node
-
-    def _state(self, waiting: tuple[Waiting, ...]) -> State:
-        return self._states.setdefault(waiting, State(waiting))
-
-    def _step(
-        self, node: NodeFrames, observation: Observation, direction: Direction | None, repetition: Repetition | None
-    ) -> Step:
-        """The step from the state of a node, remembered."""
-        if self._steps >= MAX_KNOWN:
-            self._states.clear()
-            self._steps = 0
-        state = self._state(node.state.waiting)
-        circumstances = Circumstances(direction, repetition, node.number is not None)
-        meanings = [
-            meaning(edition, waiting, interpretations, circumstances)
-            for edition, waiting, interpretations in zip(
-                self.editions, state.waiting, observation.by_edition, strict=True
-            )
-        ]
-        then = self._state(tuple(each.waiting for each in meanings))
-        step = Step(observation.kind, meanings, then)
-        known = observation if direction is None and repetition is None else (observation, direction, repetition)
-        state.steps[known] = step
-        self._steps += 1
-        return step
+    def _results(self, node: NodeFrames, runs: Runs, busiest: int) -> list[NodeResult]:
+        is_stray = STRAY * node.total <= busiest and 2 * node.near < node.total
+        parts = [*results(node, runs, self._readers)]
+        if len(parts) == 1:
+            parts = [dataclasses.replace(parts[0], total=node.total)]
+        return [dataclasses.replace(part, is_stray=is_stray) for part in parts]
 
 
 def _with_broadcasts(results: Sequence[NodeResult]) -> Iterator[NodeResult]:

@@ -17,13 +17,15 @@ from typing import NamedTuple
 from ..model.edition import Edition
 from ..model.message import Direction
 from ..model.types import Assignment
-from .changes import BLOCK, NodeFrames
 from .directions import Change, DirectedFrame
 from .identify import Identifier
+from .kept_frames import MAX_KEPT, NodeFrames
 from .log_frame import LogFrame
 from .readers import Log
 from .results import Identification, NodeResult, Place
 
+BLOCK = 64
+"""The number of frames of a node after which it is examined for the first time."""
 LOOKAHEAD = 2048
 """The maximum number of frames of a stream that wait until editions are identified."""
 PATIENCE = 0.2
@@ -172,11 +174,20 @@ def common_edition(editions: Sequence[Edition], settings: Sequence[NodeSetting])
 
 
 class Identifiers:
-    """Identifies the editions of a log whose family is unknown: the one with the ids of most frames."""
+    """Identifies the editions of a log whose family is unknown: the one with the ids of most frames.
 
-    def __init__(self, editions: Sequence[Edition], recorder: Direction | None) -> None:
+    `recorder`, `window` and `kept` are those of `Identifier`.
+    """
+
+    def __init__(
+        self,
+        editions: Sequence[Edition],
+        recorder: Direction | None,
+        window: int | None = None,
+        kept: int = MAX_KEPT,
+    ) -> None:
         families = dict.fromkeys(edition.family for edition in editions)
-        self._all = [Identifier([e for e in editions if e.family == name], recorder) for name in families]
+        self._all = [Identifier([e for e in editions if e.family == name], recorder, window, kept) for name in families]
 
     def add(self, recorded: LogFrame) -> None:
         """The next frame of the log."""
@@ -205,11 +216,8 @@ def nodes_of(identifier: Identifier, settings: Sequence[NodeSetting]) -> Nodes:
     return nodes
 
 
-def follow(
-    log: Log, editions: Sequence[Edition], settings: Sequence[NodeSetting], recorder: Direction | None
-) -> tuple[Nodes, Iterator[LogFrame]]:
+def follow(log: Log, identifiers: Identifiers, settings: Sequence[NodeSetting]) -> tuple[Nodes, Iterator[LogFrame]]:
     """The nodes of a stream, and its frames; later choices are added to the nodes before the frame is yielded."""
-    identifiers = Identifiers(editions, recorder)
     frames = log.with_pauses()
     start: list[LogFrame] = []
     patience = _Patience(log)
@@ -292,7 +300,7 @@ class _Following:
             if key not in self._nodes.identified and key not in self._nodes.editions:
                 self._waiting.add(node)
         if node.total >= self._next[node]:
-            self._next[node] = node.total + max(BLOCK, node.total // 8)
+            self._next[node] = node.total + max(BLOCK, node.total // 2)
             results = self._identifier.results_of(node)
             if node not in self._waiting or len(results[-1].editions) == 1:
                 self._choose(node, results[-1])

@@ -72,13 +72,13 @@ class _Copies:
         if command is not None and not repeats_request(command):
             self._open[judged.node] = _Run(frame, judged.direction, time, 1)
 
-    def directions(self) -> frozenset[Direction]:
-        """The directions in which frames are recorded twice."""
+    def directions(self, *, is_marked: bool) -> frozenset[Direction]:
+        """The directions in which frames are recorded twice, on a bus where marks decide on directions, or not."""
         request, reply = Direction.REQUEST, Direction.REPLY
         copied = set()
-        # Requests with old bits look like replies: then half of all runs are pairs.
+        # Requests with old bits look like replies without marks: then half of all runs are pairs.
         is_most = _is_share(self.pairs[request], self.runs[request], 3, 4)
-        if is_most or _is_share(self.pairs.total(), self.runs.total(), 3, 8):
+        if is_most or (not is_marked and _is_share(self.pairs.total(), self.runs.total(), 3, 8)):
             copied.add(request)
         if _is_share(self.pairs[reply], self.runs[reply], 3, 4):
             copied.add(reply)
@@ -221,7 +221,7 @@ class Observed:
 
     def behaviour(self, known: Behaviour) -> Behaviour:
         """The behaviour, with the copies and the constant old bits that are known already. Copies hide everything else."""
-        copied = known.copied | self._copies.directions()
+        copied = known.copied | self._copies.directions(is_marked=known.is_marked)
         known = known._replace(resolution=self.resolution)
         if copied != known.copied:
             return known._replace(copied=copied)
@@ -246,7 +246,8 @@ class Observed:
         for request, replies in self._of_request.items():
             value = _constant(request, replies)
             is_old = _is_share(replies.pairs, replies.count, 1, _RARE) if replies.count >= _LEAST else is_bus
-            if is_old or value is not None:
+            # Without requests in the log, few replies happen to follow each other as requests and replies do.
+            if (is_old and 6 * replies.pairs >= replies.orphans) or value is not None:
                 yield OldBits(request, value)
 
 

@@ -74,6 +74,8 @@ class EditionScore:
 class NodeResult:
     """The result for one node of a bus. `editions` are those that fit; exactly one if the edition is identified.
 
+    Of its `total` frames, those that were kept are compared: `frames`, of which all counts are.
+
     `unexplained` are frames that no edition has, the first of each kind with its count; they do not affect the scores.
     The frames of the commands `differing` have another meaning in some of the editions that fit; `distinguishing` are those
     of which a reply decides. `scores` starts with the best. A node whose edition changes has several results; `start` is the first frame of all but the first. A `stray` node has
@@ -82,6 +84,7 @@ class NodeResult:
 
     bus: str
     node: int | None
+    total: int
     frames: int
     unexplained: tuple[tuple[CanFrame, int], ...]
     scores: tuple[EditionScore, ...]
