@@ -245,7 +245,7 @@ function createSearch(index, language) {
     if (stop) { return stop.length; }
     for (let i = 1; i < end; i++) {
       const starts = word => CHINESE.test(word) && text.startsWith(word, i);
-      if ([...stops].some(starts) || groups.some(group => group.some(word => word.length > 1 && starts(word)))) { return i; }
+      if ([...stops].some(starts) || (synonyms.get(text[i]) ?? []).some(({ word }) => word.length > 1 && starts(word))) { return i; }
     }
     return end;
   }
@@ -316,9 +316,9 @@ function createSearch(index, language) {
   /** How well an item matches a term. */
   function value(item, { word, same }) {
     let best = ofId(item, word) ? 1 : 0;
-    const synonym = item.kind === "command" ? TITLED : SYNONYM;
+    const inTitle = item.kind === "command" ? TITLED : SYNONYM;
     for (const text of item.texts) {
-      best = Math.max(best, quality(word, text), ...same.map(other => synonym * quality(other, text)));
+      best = Math.max(best, quality(word, text), ...same.map(synonym => inTitle * quality(synonym, text)));
     }
     for (const text of best ? [] : item.about) { best = Math.max(best, ABOUT * quality(word, text), ...same.map(synonym => ABOUT * SYNONYM * quality(synonym, text))); }
     return best * WEIGHTS[item.kind];
