@@ -54,6 +54,12 @@ def reply_file(edition: Edition, assignment: Assignment) -> str | None:
     return made.name_of_replies(next(agreeing))
 
 
+def signals_of_files(edition: Edition) -> Iterator[Signal]:
+    """The signals in all files of an edition; those of several files several times."""
+    made = _with_defaults(edition)
+    return (signal for assignment in made.assignments for signal in made.signals(assignment))
+
+
 def stems(edition: Edition) -> Iterator[str]:
     """The first part of the names of files: the edition, and the parameter values that have files of their own."""
     made = _with_defaults(edition)
@@ -107,6 +113,13 @@ class _Files:
                 contents.setdefault(name, []).append(content)
             for name, parts in contents.items():
                 yield from self._file(group, assignment, name, parts)
+
+    def signals(self, assignment: Assignment) -> Iterator[Signal]:
+        """The signals of all frames under some parameter values."""
+        for group in self._groups:
+            of_tables = (content for _, content in self._table_contents(group, assignment))
+            for content in (*self._plain_contents(group, assignment), *of_tables):
+                yield from content.signals
 
     def merged(self, same: Sequence[File]) -> Sequence[File]:
         """The files of a table for all values of the parameters; a single one if their messages are the same."""
