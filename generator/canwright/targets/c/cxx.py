@@ -13,6 +13,7 @@ from ...model.message import Direction, Message
 from ...model.types import Parameter, Type
 from ...semantics.plan import value_fields
 from . import messages as c
+from .choices import parameter_kind
 from .conversions import ConversionView
 from .examples import ExchangeView
 from .layouts import MemberView
@@ -143,7 +144,6 @@ class MessageView(NamedTuple):
     name: str
     title: str
     layout: str
-    which: str
     code: str
     reply: str
     replies: str
@@ -152,11 +152,11 @@ class MessageView(NamedTuple):
 
 
 class AnyView(NamedTuple):
-    """Any message of one direction; `messages` are those that a frame can be, each with its member of the union."""
+    """Any message of one direction; `messages` are those that a frame can be."""
 
     name: str
     direction: DirectionView
-    messages: tuple[tuple[MessageView, str], ...]
+    messages: tuple[MessageView, ...]
 
 
 class CxxExample(NamedTuple):
@@ -216,7 +216,7 @@ class CxxView:
         self.namespace = f"{member(edition.family)}::{edition.identifier}"
         self.enums = list(self._enumerations())
         self.parameters = [
-            ParameterSetter(member(p.name), self._names.lower(p.name, "t"), self._enums.get(p, ""))
+            ParameterSetter(member(p.name), parameter_kind(self._names, p), self._enums.get(p, ""))
             for p in edition.parameters
         ]
         self.layouts = [
@@ -224,15 +224,12 @@ class CxxView:
             for layout, name in self._layouts.items()
         ]
         self.messages = [self._message(m) for m in messages]
-        self.any = [self._any(d) for d in view.directions if d.decode]
+        self.any = [
+            AnyView(f"any_{d.word}", d, tuple(m for m in self.messages if m.message.direction == d.word))
+            for d in view.directions
+            if d.decode
+        ]
         """Any message of each direction."""
-
-    def _any(self, direction: DirectionView) -> AnyView:
-        """The messages that the decoder of any frame returns."""
-        decoded = [message for message in self.messages if message.message.direction == direction.word]
-        by_command = direction.by_command
-        members = tuple((view, by_command[view.which].member if view.layout else "") for view in decoded)
-        return AnyView(f"any_{direction.word}", direction, members)
 
     def _stem(self, type_: Type) -> str:
         return self._names.type_stem(type_)
@@ -294,7 +291,6 @@ class CxxView:
             name=self._message_names[message.name],
             title=f"{message.direction.value} of {message.command}",
             layout=self._layouts.get(message.layout, ""),
-            which=self._names.command(command.name),
             code="" if command.code is None else self._names.upper(command.name, "code"),
             reply=self._message_names[reply.name] if reply else "",
             replies=" ".join(sentence[:1].upper() + sentence[1:] + "." for sentence in further_replies(command)),

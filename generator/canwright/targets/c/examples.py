@@ -54,8 +54,6 @@ class SideView(NamedTuple):
 
 
 class ExchangeView(NamedTuple):
-    command: str
-    enumerator: str
     node: int
     request: SideView
     reply: SideView
@@ -162,8 +160,6 @@ def _exchanges(view: EditionView, worked: Iterable[WorkedExchange], known: Assig
         if asked and answer and request and reply and answer.layout.name not in layouts:
             layouts.add(answer.layout.name)
             yield ExchangeView(
-                command=command.name,
-                enumerator=view.names.command(command.name),
                 node=request.node or 0,
                 request=_side(view, asked, request, known),
                 reply=_side(view, answer, reply, known),

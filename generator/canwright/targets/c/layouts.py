@@ -30,7 +30,7 @@ from .checksums import checksum_view
 from .choices import Branch, Whole, parameter_access, whole
 from .expressions import Integer, integer, joined, operand, raw_of, stored_literal, working
 from .names import Names, member
-from .text import errata, field_facts, literal, with_deprecation
+from .text import errata, field_facts, heading, literal, with_deprecation
 from .types import TypeView
 from .validity import is_nan
 
@@ -116,7 +116,7 @@ class LayoutView:
         facts = errata(edition, layout.path) if layout.shared else []
         stored = [f for f in layout.fields if f.is_given]
         self.name = names.lower(layout.name)
-        self.title = english(layout.title) + (f" ({layout.manual})" if layout.manual else "")
+        self.title = heading(layout)
         self.doc = [text for text in (english(layout.about), *facts) if text]
         self.code = code_member(messages)
         """The member with the code; None unless a message of the layout can have several."""

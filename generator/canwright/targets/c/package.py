@@ -11,12 +11,14 @@ from typing import NamedTuple
 from jinja2 import Environment, Template
 
 from ...model.edition import Edition
+from ...model.formatting import english
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, CodeExample, EditionInput, Output, WorkedExchange
+from .choices import enumerator_numbers
 from .cxx import CxxView, cxx_example
 from .examples import command_example, example
 from .expressions import operand
-from .names import FD, PARTS, SHARED, SHARED_CXX, TEXT
+from .names import FD, PARTS, SHARED, SHARED_CXX, TEXT, member
 from .selftest import SelfTest, has_self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import EditionView, edition_view
@@ -29,7 +31,10 @@ FILTERS: dict[str, Callable[..., object]] = {
     "arguments": arguments,
     "comment": comment,
     "defines": defines,
+    "english": english,
+    "enumerators": enumerator_numbers,
     "fold": fold,
+    "member": member,
     "operand": operand,
     "paragraph": paragraph,
     "safe_text": in_comment,

@@ -50,10 +50,8 @@ class LayoutTable(NamedTuple):
 
 
 class MessageCase(NamedTuple):
-    """A message with its command; `layout` is the number of the table of its raw integers, `member` its name."""
+    """A message; `layout` is the number of the table of its raw integers, `member` its name."""
 
-    command: str
-    enumerator: str
     view: MessageView
     layout: int
     member: str
@@ -204,8 +202,7 @@ class SelfTest:
     def _case(self, message: Message) -> MessageCase:
         tables = list(self._raws)
         number = tables.index(message.layout) + 1 if message.layout in tables else 0
-        enumerator = self._names.command(message.command)
-        return MessageCase(message.command, enumerator, self._view.message(message), number, _table(message.layout))
+        return MessageCase(self._view.message(message), number, _table(message.layout))
 
 
 def _table(layout: Layout) -> str:

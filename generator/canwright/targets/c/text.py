@@ -13,7 +13,8 @@ from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.edition import Edition
 from ...model.formatting import english
-from ...model.layout import Field, Space
+from ...model.layout import Field, Layout, Space
+from ...model.message import Address, Command
 from ...model.types import IDENTITY, ByParameter, Encoding, Type
 
 WIDTH = 118
@@ -62,8 +63,8 @@ def literal(text: str) -> str:
 
 
 def comment(paragraphs: str | Sequence[str], indent: int = 0) -> str:
-    """Paragraphs as one Doxygen comment, on one line if they fit. The first line is not indented."""
-    texts = [in_comment(p) for p in ([paragraphs] if isinstance(paragraphs, str) else paragraphs)]
+    """Paragraphs as one Doxygen comment, on one line if they fit. The first line is not indented; empty ones are left out."""
+    texts = [in_comment(p) for p in ([paragraphs] if isinstance(paragraphs, str) else paragraphs) if p]
     margin = " " * indent
     if len(texts) == 1 and len(texts[0]) + indent + 7 <= WIDTH:
         return f"/** {texts[0]} */"
@@ -162,6 +163,11 @@ def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence
     if field.only:
         parts.append(f"Only {parameter} {', '.join(field.only)}; 0 otherwise.")
     return " ".join(parts)
+
+
+def heading(item: Address | Command | Layout) -> str:
+    """The title of an item with its section of the manual."""
+    return english(item.title) + (f" ({item.manual})" if item.manual else "")
 
 
 def in_manual(name: str) -> list[str]:
