@@ -173,7 +173,7 @@ def _side(view: EditionView, message: Message, golden: GoldenFrame, known: Assig
         initializers=tuple(f".{member(f.name)} = {initializer(f, texts.values())}" for f, texts in numbers),
         assignments=tuple(f".{number} = {text}" for _, texts in numbers for number, text in texts.items()),
         shown=tuple(
-            ShownView(label, number, raw_of(field.type, number), f"value_{place}{field.name}", view.type(field.type))
+            ShownView(label, number, raw_of(field.type, number), f"value_{place}{field.name}", view.of_type[field.type])
             for field, texts in numbers
             for label, number, place in _labels(field, texts)
         ),
@@ -248,7 +248,7 @@ def _named_initializer(e: EditionView, field: Field, raw: RawValue) -> str:
 
 def _conversions(e: EditionView, field: Field, golden: GoldenFrame) -> Iterator[str]:
     """The call that converts a value; one for each element of an array."""
-    view, value = e.type(field.type), golden.values.get(field.name)
+    view, value = e.of_type[field.type], golden.values.get(field.name)
     numbers = [number for number in (value if isinstance(value, list) else [value]) if isinstance(number, Fraction)]
     if field.type.is_plain or view.double is None:
         return
