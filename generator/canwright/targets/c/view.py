@@ -159,9 +159,6 @@ class EditionView:
     def message(self, message: Message) -> MessageView:
         return self._messages.message(message)
 
-    def direction(self, direction: Direction) -> DirectionView:
-        return next(view for view in self.directions if view.word == direction.value)
-
     @property
     def check_reply_parameters(self) -> bool:
         """Whether the check of a reply needs the parameters: ids of messages with a reply contain them."""
