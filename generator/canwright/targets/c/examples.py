@@ -18,7 +18,7 @@ from ...semantics.plan import value_fields
 from ..base import EditionInput, WorkedExchange
 from ..examples import Examples
 from .choices import parameter_literal
-from .expressions import call, integer, raw_of, stored_literal
+from .expressions import braces, call, integer, raw_of, stored_literal
 from .layouts import initializer, literals
 from .messages import MessageView
 from .names import member
@@ -201,4 +201,4 @@ def _received(message: MessageView, golden: GoldenFrame) -> Iterator[str]:
     yield f".id = {' | '.join([f'0x{golden.id:X}u', *marks])}"
     yield f".dlc = {message.dlc if golden.remote else len(golden.data)}u"
     if golden.data:
-        yield f".data = {{{', '.join(f'0x{byte:02X}u' for byte in golden.data)}}}"
+        yield f".data = {braces(*(f'0x{byte:02X}u' for byte in golden.data))}"

@@ -28,7 +28,7 @@ from ...semantics.plan import (
 from . import bits
 from .checksums import checksum_view
 from .choices import Branch, parameter_access, whole
-from .expressions import Integer, integer, joined, operand, raw_of, stored_literal, working
+from .expressions import Integer, braces, integer, joined, operand, raw_of, stored_literal, working
 from .names import Names, member
 from .text import errata, field_facts, heading, literal, with_deprecation
 from .types import TypeView
@@ -328,5 +328,4 @@ def literals(field: Field, raw: RawValue) -> dict[str, str]:
 
 def initializer(field: Field, texts: Iterable[str]) -> str:
     """The initializer of a member with these literals."""
-    joined = ", ".join(texts)
-    return f"{{{joined}}}" if field.is_array else joined
+    return braces(*texts) if field.is_array else ", ".join(texts)
