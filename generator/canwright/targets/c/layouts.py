@@ -26,7 +26,7 @@ from ...semantics.plan import (
     message_plan,
 )
 from . import bits
-from .checksums import checksum_view
+from .checksums import ChecksumView
 from .choices import Branch, parameter_access, whole
 from .expressions import Integer, braces, integer, joined, operand, raw_of, stored_literal, working
 from .names import Names, member
@@ -132,7 +132,7 @@ class LayoutView:
             (names.lower(layout.name, f.name), f.name, integer(f.type), f.counter) for f in stored if f.counter
         ]
         """The name of the functions of each counter, its field, its C type, and the ends of its range."""
-        self.checksum = checksum_view(names, plan.checksum) if plan.checksum else None
+        self.checksum = ChecksumView(names, plan.checksum) if plan.checksum else None
         self.unpack = _body(names, layout, lambda variant: _reads(plan.decoding, variant))
         self.show = _ordered_body(names, layout, lambda variant: _shows(variant, types))
         self.show_parameters = self.chooses or any(step.uses_parameters for step in self.show.steps)

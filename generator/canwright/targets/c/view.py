@@ -121,8 +121,8 @@ class EditionView:
         self.has_joined = any(view.joined for view in self.types)
         views = {layout: LayoutView(names, edition, layout, self.of_type) for layout in used}
         self.layouts = [views[layout] for layout in used if layout.shared]
-        checksums = [view.checksum for view in views.values() if view.checksum]
-        self.crcs = list(dict.fromkeys(checksum.crc for checksum in checksums if checksum.crc))
+        crcs = (view.checksum.crc for view in views.values() if view.checksum)
+        self.crcs = list({crc.name: crc for crc in crcs if crc}.values())
         self._messages = messages = Messages(names, edition, views)
         self.fd = messages.fd
         self.frame = f"canwright_{self.fd}frame_t"
