@@ -192,7 +192,7 @@ class CxxView:
         self._edition, self._view, self._names = edition, view, view.names
         messages = edition.all_messages()
         choices = [p for p in edition.parameters if p.is_choice]
-        enums = [t for t in edition.types if (t.enum or t.flags) and view.has(t)]
+        enums = [t for t in edition.types if (t.enum or t.flags) and t in view.of_type]
         stems = (*(p.name for p in choices), *map(self._stem, enums))
         free = _distinct((*(self._names.short(m.name) for m in messages), *stems), OWN_NAMES)
         self._message_names = {m.name: next(free) for m in messages}
@@ -247,7 +247,7 @@ class CxxView:
                 members = _enumerators([(names.upper(item.name, value), value) for value in values])
                 yield EnumView(name, "int", f"{english(item.title)}.", members)
             else:
-                type_ = view.type(item)
+                type_ = view.of_type[item]
                 members, function = _enumerators(type_.names), f"{type_.name}_name"
                 yield EnumView(name, type_.kind, f"{type_.heading}.", members, function, type_.kind)
 
@@ -255,7 +255,7 @@ class CxxView:
         enum = self._enums.get(type_, "")
         return TypeTraits(
             name=name,
-            view=self._view.type(type_),
+            view=self._view.of_type[type_],
             named=enum if type_.enum else "",
             flags=enum if type_.flags else "",
         )

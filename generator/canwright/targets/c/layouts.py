@@ -11,9 +11,9 @@ from ...model.edition import Edition
 from ...model.exhaustive import assert_never
 from ...model.formatting import english
 from ...model.golden_frames import RawValue
-from ...model.layout import CounterRole, Field, Layout, Variant
+from ...model.layout import Field, Layout, Variant
 from ...model.message import Message
-from ...model.types import Encoding
+from ...model.types import Encoding, Type
 from ...semantics.plan import (
     CheckChecksum,
     CheckConstant,
@@ -26,17 +26,17 @@ from ...semantics.plan import (
     message_plan,
 )
 from . import bits
-from .checksums import checksum_view
-from .choices import Branch, Whole, parameter_access, whole
-from .expressions import Integer, integer, joined, operand, raw_of, stored_literal, working
+from .checksums import ChecksumView
+from .choices import Branch, parameter_access, whole
+from .expressions import Integer, braces, integer, joined, operand, raw_of, stored_literal, working
 from .names import Names, member
 from .text import errata, field_facts, heading, literal, with_deprecation
 from .types import TypeView
 from .validity import is_nan
 
 T = TypeVar("T")
-Types = Mapping[str, TypeView]
-"""The types that fields use, by their name in C."""
+Types = Mapping[Type, TypeView]
+"""The types that fields use."""
 
 
 class Place(NamedTuple):
@@ -87,16 +87,6 @@ class FieldRead(NamedTuple):
     constant_differs: str = ""
 
 
-class CounterView(NamedTuple):
-    """The name of the functions of a counter, its field, its C type, and the ends of its range."""
-
-    name: str
-    field: str
-    kind: str
-    first: str
-    last: str
-
-
 class FieldShow(NamedTuple):
     """The string literal before the value of a field, and the call that prints it."""
 
@@ -120,7 +110,7 @@ class LayoutView:
         self.doc = [text for text in (english(layout.about), *facts) if text]
         self.code = code_member(messages)
         """The member with the code; None unless a message of the layout can have several."""
-        self.members = [_member(names, edition, layout, f, types) for f in stored]
+        self.members = [_member(edition, layout, f, types[f.type]) for f in stored]
         self.members += [self.code.member] if self.code else []
         self.has_values = bool(stored)
         """True if there are members besides the code."""
@@ -131,40 +121,26 @@ class LayoutView:
         parametric = {
             step.field: whole(edition, step.parameter) for step in plan.decoding if isinstance(step, CheckParameter)
         }
-        self.constants = [
-            ParametricConstant(known, f"{bits.constant_read(f)} != {known.value}") for f, known in parametric.items()
-        ]
-        """The constants that are parameters."""
+        self.constants = [(known, f"{bits.constant_read(f)} != {known.value}") for f, known in parametric.items()]
+        """The constants that are parameters, each with the condition for a frame with another value."""
         self.depends = self.chooses or bool(parametric)
         """True if packing and unpacking need the parameters; they return a status then."""
         values = {f.name: known.value for f, known in parametric.items()}
         self.check = _ordered_body(names, layout, lambda variant: _checks(names, plan.encoding, variant, types))
         self.pack = _body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared, values))
-        self.counters = [_counter(names, layout, f, f.counter) for f in stored if f.counter]
-        self.checksum = checksum_view(names, plan.checksum) if plan.checksum else None
+        self.counters = [
+            (names.lower(layout.name, f.name), f.name, integer(f.type), f.counter) for f in stored if f.counter
+        ]
+        """The name of the functions of each counter, its field, its C type, and the ends of its range."""
+        self.checksum = ChecksumView(names, plan.checksum) if plan.checksum else None
         self.unpack = _body(names, layout, lambda variant: _reads(plan.decoding, variant))
-        self.show = _ordered_body(names, layout, lambda variant: _shows(names, variant, types))
-
-    @property
-    def show_parameters(self) -> bool:
-        return self.chooses or any(step.uses_parameters for step in self.show.steps)
-
-    @property
-    def has_check(self) -> bool:
-        return self.has_values and (bool(self.check.steps) or self.chooses)
-
-    @property
-    def check_parameters(self) -> bool:
-        return self.chooses or any(check.uses_parameters for check in self.check.steps)
-
-    @property
-    def has_arrays(self) -> bool:
-        return any(check.elements for check in self.check.steps)
-
-    @property
-    def takes_parameters(self) -> bool:
+        self.show = _ordered_body(names, layout, lambda variant: _shows(variant, types))
+        self.show_parameters = self.chooses or any(step.uses_parameters for step in self.show.steps)
+        self.has_check = self.has_values and (bool(self.check.steps) or self.chooses)
+        self.check_parameters = self.chooses or any(check.uses_parameters for check in self.check.steps)
+        self.has_arrays = any(check.elements for check in self.check.steps)
+        self.takes_parameters = self.depends or self.check_parameters
         """True if checking and packing a message needs the parameters."""
-        return self.depends or self.check_parameters
 
 
 class CodeMember(NamedTuple):
@@ -238,26 +214,12 @@ def _code_text(message: Message, code: int) -> str:
     return f"0x{code:02X} (as 0x{1 << message.keys[0].width:X})" if is_other_0 else f"0x{code:02X}"
 
 
-class ParametricConstant(NamedTuple):
-    """A constant that is a parameter, and the condition for a frame with another value."""
-
-    whole: Whole
-    differs: str
-
-
-def _member(names: Names, edition: Edition, layout: Layout, field: Field, types: Types) -> MemberView:
-    type_ = types[names.lower(names.type_stem(field.type))]
+def _member(edition: Edition, layout: Layout, field: Field, type_: TypeView) -> MemberView:
     length = f"[{len(field.elements)}]" if field.is_array else ""
     low_bits = any(message.has_low_bits_of_node for message in edition.of_layout(layout))
     facts = field_facts(field, layout.parameter, type_.use, type_.facts, low_bits=low_bits)
     doc = with_deprecation(facts, field.deprecated)
     return MemberView(type_.kind, member(field.name) + length, doc)
-
-
-def _counter(names: Names, layout: Layout, field: Field, role: CounterRole) -> CounterView:
-    kind = integer(field.type)
-    ends = kind.literal(role.first), kind.literal(role.last)
-    return CounterView(names.lower(layout.name, field.name), field.name, kind.name, *ends)
 
 
 def numbers(field: Field) -> list[str]:
@@ -298,7 +260,7 @@ def _ordered_body(names: Names, layout: Layout, steps: Callable[[Variant], Itera
 
 def _cases(names: Names, layout: Layout, steps: Iterable[tuple[T, ...]]) -> tuple[Branch[tuple[T, ...]], ...]:
     labels = (tuple(names.upper(layout.parameter or "", value) for value in v.values) for v in layout.variants)
-    return tuple(Branch(labels=values, value=body) for values, body in zip(labels, steps, strict=True))
+    return tuple(Branch(values, body) for values, body in zip(labels, steps, strict=True))
 
 
 def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRead]:
@@ -317,11 +279,11 @@ def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRea
                 assert_never(step)
 
 
-def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
+def _shows(variant: Variant, types: Types) -> Iterator[FieldShow]:
     for field in variant.fields:
         if not field.is_given:
             continue
-        type_ = types[names.lower(names.type_stem(field.type))]
+        type_ = types[field.type]
         given = type_.show.formulas.uses_parameters
         if type_.joined is not None:
             call = f"{type_.name}_write(printer, message->{member(field.name)});"
@@ -346,7 +308,7 @@ def _checks(names: Names, steps: Sequence[EncodingStep], variant: Variant, types
             refused = [f"!canwright_is_finite{field.type.width}({raw})"]
             refused += [f"!({is_nan(field.type, item)})"] if field.type.no_values else []
             yield _check(names, field, joined("&&", refused), "NOT_FINITE")
-        type_ = types[names.lower(names.type_stem(field.type))]
+        type_ = types[field.type]
         if type_.valid is not None:
             known = type_.valid.uses_parameters
             call = f"{type_.name}_valid({item}{', parameters' if known else ''})"
@@ -366,10 +328,4 @@ def literals(field: Field, raw: RawValue) -> dict[str, str]:
 
 def initializer(field: Field, texts: Iterable[str]) -> str:
     """The initializer of a member with these literals."""
-    joined = ", ".join(texts)
-    return f"{{{joined}}}" if field.is_array else joined
-
-
-def fields_named(layouts: Sequence[Layout]) -> list[str]:
-    """The names of all fields that are members of some struct, in order, each once."""
-    return list(dict.fromkeys(f.name for layout in layouts for f in layout.fields if f.is_given))
+    return braces(*texts) if field.is_array else ", ".join(texts)

@@ -16,7 +16,7 @@ from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, CodeExample, EditionInput, Output, WorkedExchange
 from .choices import enumerator_numbers
 from .cxx import CxxView, cxx_example
-from .examples import command_example, example
+from .examples import CommandExample, ExampleView
 from .expressions import operand
 from .names import FD, PARTS, SHARED, SHARED_CXX, TEXT, member
 from .selftest import SelfTest, has_self_test
@@ -56,7 +56,7 @@ def files(specifications: Sequence[EditionInput]) -> Iterator[Output]:
         return
     env = environment("c", FILTERS)
     views = [(item, edition_view(item.edition)) for item in specifications]
-    shown = [(view, example(item, view)) for item, view in views]
+    shown = [(view, ExampleView(item, view)) for item, view in views]
     families: list[FamilyView] = []
     for name in dict.fromkeys(view.family for _, view in views):
         editions = [view for _, view in views if view.family == name]
@@ -97,7 +97,7 @@ def files(specifications: Sequence[EditionInput]) -> Iterator[Output]:
 
 def program(edition: Edition, worked: WorkedExchange) -> CodeExample:
     """A program that encodes the request of a command and decodes its reply."""
-    x = command_example(edition, worked)
+    x = CommandExample(edition, worked)
     lines = "\n".join(f"status = {call};" for call in x.calls)
     return CodeExample("c", fold(_program_template().render(e=x.e, x=x)), lines)
 

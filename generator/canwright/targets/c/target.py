@@ -93,11 +93,11 @@ def _names(names: Names, edition: Edition) -> Iterator[Exported]:
             reader = rule.node_function if rule.has_nodes else rule.check_function
             functions = (rule.id_function, reader) if rule.can_fail else (rule.id_macro,)
             yield from ((address.path, function) for function in functions)
-    for type_ in (t for t in edition.types if t.path[0] == "types" and view.has(t)):
+    for type_ in (t for t in view.of_type if t.path[0] == "types"):
         stem = names.type_stem(type_)
         by_key = type_.members_by_key.items()
         members = {names.upper(stem, m.name): (*type_.path, key, m.name) for key, named in by_key for m in named}
-        yield from ((members.get(name, type_.path), name) for name in _type(view.type(type_)))
+        yield from ((members.get(name, type_.path), name) for name in _type(view.of_type[type_]))
     for layout in layouts(edition):
         varying = [field for field in layout.fields if field.is_given]
         if varying:

@@ -13,18 +13,17 @@ from ...model.edition import Edition
 from ...model.formatting import english
 from ...model.message import Command, Direction, Message, OtherReply
 from ...model.metadata import Level
-from ...model.types import Type
 from ...semantics.dispatch import dispatch_plan
 from ...semantics.exchange import exchange_plans
 from ..base import header
 from .choices import lacks
 from .dispatch import RouteView, answers, grouped
 from .expressions import UINT32, UINT64, call, joined
-from .layouts import LayoutView, fields_named
+from .layouts import LayoutView
 from .messages import Messages, MessageView
 from .names import Names, layouts
 from .text import MacroView, errata, heading, in_manual, literal, with_deprecation
-from .types import TypeView, types
+from .types import TypeView
 
 
 class CommandView:
@@ -109,14 +108,21 @@ class EditionView:
         self.doc = _edition_doc(edition)
         self.facts = list(_facts(names, edition))
         self.parameters = edition.parameters
-        self.types = types(names, edition)
-        self.fields = [(names.upper("field", name), name) for name in fields_named(used)]
+        fields = [field for layout in used for field in layout.fields]
+        self.of_type = {
+            type_: TypeView(names, edition, type_) for type_ in edition.types if type_ in {f.type for f in fields}
+        }
+        """The types that fields use, in spec order."""
+        self.types = list(self.of_type.values())
+        self.fields = [
+            (names.upper("field", name), name) for name in dict.fromkeys(f.name for f in fields if f.is_given)
+        ]
+        """The enumerator of each field, with its name."""
         self.has_joined = any(view.joined for view in self.types)
-        self._types = {view.name: view for view in self.types}
-        views = {layout: LayoutView(names, edition, layout, self._types) for layout in used}
+        views = {layout: LayoutView(names, edition, layout, self.of_type) for layout in used}
         self.layouts = [views[layout] for layout in used if layout.shared]
-        checksums = [view.checksum for view in views.values() if view.checksum]
-        self.crcs = list(dict.fromkeys(checksum.crc for checksum in checksums if checksum.crc))
+        crcs = (view.checksum.crc for view in views.values() if view.checksum)
+        self.crcs = list({crc.name: crc for crc in crcs if crc}.values())
         self._messages = messages = Messages(names, edition, views)
         self.fd = messages.fd
         self.frame = f"canwright_{self.fd}frame_t"
@@ -152,16 +158,6 @@ class EditionView:
 
     def message(self, message: Message) -> MessageView:
         return self._messages.message(message)
-
-    def type(self, type_: Type) -> TypeView:
-        return self._types[self.names.lower(self.names.type_stem(type_))]
-
-    def has(self, type_: Type) -> bool:
-        """Whether some field has a type."""
-        return self.names.lower(self.names.type_stem(type_)) in self._types
-
-    def direction(self, direction: Direction) -> DirectionView:
-        return next(view for view in self.directions if view.word == direction.value)
 
     @property
     def check_reply_parameters(self) -> bool:
