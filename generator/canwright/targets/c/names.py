@@ -120,38 +120,18 @@ ADDRESS_MACROS = (
     *("_REQUEST_ID", "_REQUEST_FILTER_ID", "_REQUEST_FILTER_MASK"),
     *("_REPLY_ID", "_REPLY_FILTER_ID", "_REPLY_FILTER_MASK"),
 )
-PARTS_OF_FUNCTIONS = (
-    "_check",
-    "_pack",
-    "_unpack",
-    "_show",
-    "_write",
-    "_match",
-    "_stamp",
-    "_sum",
-    "_filter",
-    "_match_id",
-)
+PARTS_OF_FUNCTIONS = ("_check", "_pack", "_unpack", "_show", "_write", "_match", "_stamp", "_sum")
 """The endings of functions that others call."""
 SIGNIFICANT = 63
 """C99 guarantees that this many initial characters of a name are significant."""
 
 EDITION_NAMES = (
     *("parameters_t", "field_t", "field_name", "command_t", "command_name", "command_effects", "command_available"),
-    *(
-        "any_request_t",
-        "any_reply_t",
-        "any_request_check",
-        "any_reply_check",
-        "identify_request",
-        "identify_reply",
-        "decode_request",
-        "decode_reply",
-    ),
-    *("check_reply", "H", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
-    *("SPEC", "SPEC_HASH", "EDITION", "REPLY_WITHIN_US", "PRINT_H", "print_request", "print_reply"),
-    *("selftest", "selftest_message", "selftest_raws_t", "selftest_read", "selftest_same", "selftest_t", "SELFTEST_H"),
-    "HPP",
+    *("any_request_t", "any_reply_t", "any_request_check", "any_reply_check", "identify_request", "identify_reply"),
+    *("decode_request", "decode_reply", "check_reply", "print_request", "print_reply"),
+    *("H", "FLOAT_H", "HPP", "PRINT_H", "SELFTEST_H"),
+    *("FIELD_NONE", "COMMAND_NONE", "SPEC", "SPEC_HASH", "EDITION", "REPLY_WITHIN_US"),
+    *("selftest", "selftest_message", "selftest_raws_t", "selftest_read", "selftest_same", "selftest_t"),
 )
 
 
