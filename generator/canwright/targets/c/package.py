@@ -95,6 +95,13 @@ def files(specifications: Sequence[EditionInput]) -> Iterator[Output]:
         yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x, cxx=cxx, y=y))
 
 
+def declared(edition: Edition) -> frozenset[str]:
+    """The names in the code of the headers with integers and with floating point."""
+    templates = (environment("c", FILTERS).get_template(f"edition{part}.h.j2") for part in PARTS[:2])
+    text = "".join(template.render(e=edition_view(edition)) for template in templates)
+    return frozenset(re.findall(r"\w+", re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)))
+
+
 def program(edition: Edition, worked: WorkedExchange) -> CodeExample:
     """A program that encodes the request of a command and decodes its reply."""
     x = CommandExample(edition, worked)

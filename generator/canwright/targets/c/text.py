@@ -16,6 +16,7 @@ from ...model.formatting import english
 from ...model.layout import Field, Layout, Space
 from ...model.message import Address, Command
 from ...model.types import IDENTITY, ByParameter, Encoding, Type
+from ...semantics.valid_raws import valid_raws
 
 WIDTH = 118
 
@@ -207,7 +208,7 @@ def _range(type_: Type, among: Sequence[str]) -> str:
     if not type_.is_number:
         return ""
     what = "Range" if type_.encoding is Encoding.FLOAT else "Raw"
-    given = _alternatives(type_.raw_range.parameter, formatting.ranges(type_, tuple(among)))
+    given = _alternatives(valid_raws(type_).parameter, formatting.ranges(type_, tuple(among)))
     return f"{what} {', '.join(given)}." if given else ""
 
 
