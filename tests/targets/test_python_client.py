@@ -506,11 +506,33 @@ def test_asyncio_has_the_same_rules(package: dict[str, ModuleType], has_file: bo
     bus.shutdown()
 
 
-class _AnsweringBus:
-    """A bus without a wire: the nodes answer within `send`."""
+def test_a_time_out_of_asyncio_ends_in_time_in_each_loop(package: dict[str, ModuleType]) -> None:
+    """The timer of a wait serves later ones: not those that end sooner, and not those in another loop."""
+    bench = Bench(package, Clock(), "v2_35")
+    bus = _AnsweringBus(bench, has_file=True, delay=0.002)
+    options: dict[str, Any] = {"allow": "motion", "on_exit": "nothing", "timeout": 1}
+    client = import_module("mwd_motor.client_asyncio").AsyncClient(bus, bench.nodes[:1], **options)
 
-    def __init__(self, bench: Bench, *, has_file: bool) -> None:
+    async def ask(timeout: float | None, at_most: float) -> None:
+        async with client:
+            assert (await client.request(bench.torque(1, 7))).speed == 7
+            bench.silent = {1}
+            with pytest.raises(bench.client_module.NoReply):
+                await asyncio.wait_for(client.request(bench.torque(), timeout=timeout), at_most)
+            bench.silent = set()
+            assert [(await client.request(bench.torque(1, raw))).speed for raw in range(20)] == [*range(20)]
+
+    asyncio.run(ask(0.02, 0.5))
+    asyncio.run(ask(None, 5))
+    bus.shutdown()
+
+
+class _AnsweringBus:
+    """A bus without a wire: the nodes answer within `send`, or after a delay in seconds."""
+
+    def __init__(self, bench: Bench, *, has_file: bool, delay: float = 0.0) -> None:
         self._bench = bench
+        self._delay = delay
         self._frames: queue.SimpleQueue[can.Message] = queue.SimpleQueue()
         self._sockets = socket.socketpair() if has_file else None
         self.sent: list[int] = []
@@ -525,6 +547,12 @@ class _AnsweringBus:
         if self.error is not None:
             raise self.error
         self.sent.append(message.arbitration_id)
+        if self._delay:
+            asyncio.get_running_loop().call_later(self._delay, self._reply, message)
+        else:
+            self._reply(message)
+
+    def _reply(self, message: can.Message) -> None:
         for reply in self._bench._answer(message):
             self._frames.put(reply)
             if self._sockets is not None:

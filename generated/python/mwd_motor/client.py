@@ -303,19 +303,16 @@ class ClientCore:
 
     # Frames
 
-    async def _receive(self, until: float) -> can.Message | None:
+    async def _next_frame(self, until: float) -> can.Message | None:
         """The next frame; None if there is none until then, or if the wait ended before. Raises BusLost."""
+        return self._receive(max(0.0, until - time.monotonic()))
+
+    def _receive(self, seconds: float) -> can.Message | None:
+        """The next frame; None if there is none for a time in seconds. Raises BusLost."""
         try:
-            return await self._next_frame(until)
+            return self._reader.get_message(seconds) if self._notifier else self.bus.recv(seconds)
         except BUS_ERRORS as error:
             raise self._bus_lost(error) from error
-
-    async def _next_frame(self, until: float) -> can.Message | None:
-        return self._receiver()(max(0.0, until - time.monotonic()))
-
-    def _receiver(self) -> Callable[[float], can.Message | None]:
-        """What returns the next frame, or None if there is none for a time in seconds."""
-        return self._reader.get_message if self._notifier else self.bus.recv
 
     def _transmit(self, message: can.Message) -> bool:
         """Sends a frame; whether the queue of the driver had room for it. Raises BusLost."""
@@ -345,11 +342,10 @@ class ClientCore:
             return
         frame = frame_of(message)
         for line in self._lines_of_id.get(frame[:2], self._lines_without_id):
-            if call := line.feed(frame, now):
-                self._send_calls(line, call, now)
+            self._send_calls(line, line.feed(frame, now), now)
 
     def _send_calls(self, line: Line, call: Call | None, now: float) -> None:
-        """Sends what a line asks for."""
+        """Sends what a line asks for, and keeps its deadline."""
         while call is not None and call.message is not None and not self._transmit(call.message):
             call = line.not_sent(now)
         self._until = min(self._until, line.deadline)
@@ -371,14 +367,14 @@ class ClientCore:
         lines = dict.fromkeys([self._lines[job.node.node] for job in pending])
         self._until = math.inf
         try:
-            while (frame := await self._receive(0.0)) is not None:  # what came before is no reply
+            while (frame := self._receive(0.0)) is not None:  # what came before is no reply
                 self._feed(frame, clock())
             for job in pending:
                 line, now = self._lines[job.node.node], clock()
                 self._send_calls(line, line.open(job, now), now)
             for job in pending:
                 while job.at is None:
-                    frame = await self._receive(self._until)
+                    frame = await self._next_frame(self._until)
                     now = clock()
                     if frame is not None:
                         self._feed(frame, now)
@@ -530,7 +526,7 @@ class ClientCore:
         self._check_bus()
         while not self.unsolicited:
             now = time.monotonic()
-            frame = await self._receive(min(until, now + LISTEN))
+            frame = await self._next_frame(min(until, now + LISTEN))
             if frame is not None:
                 self._feed(frame, time.monotonic())
             elif now >= until:

@@ -26,6 +26,7 @@ class AsyncClient(ClientCore):
 
     async def __aenter__(self) -> Self:
         self._turn = asyncio.Lock()
+        self._timer: asyncio.TimerHandle | None = None
         await self._run(self._settle(self.nodes.values()))
         return self
 
@@ -90,20 +91,22 @@ class AsyncClient(ClientCore):
 
     async def _run(self, steps: Coroutine[Any, Any, T]) -> T:
         """What the steps of a method return; tasks wait for each other."""
-        with contextlib.closing(steps):
+        try:
             async with self._turn:
                 return await steps
+        finally:
+            steps.close()
 
     async def _next_frame(self, until: float) -> can.Message | None:
         if self._reading is None:
-            message = self._receiver()(0)
+            message = self._receive(0.0)
             left = until - time.monotonic()
             if message is not None or left <= 0:
                 return message
             if self._file >= 0:
                 await self._readable(left)
-                return self._receiver()(0)
-            self._reading = asyncio.get_running_loop().run_in_executor(None, self._receiver(), min(left, LISTEN))
+                return self._receive(0.0)
+            self._reading = asyncio.get_running_loop().run_in_executor(None, self._receive, min(left, LISTEN))
         try:
             return await asyncio.shield(self._reading)  # a frame that comes after a cancellation is the next one
         finally:
@@ -111,15 +114,30 @@ class AsyncClient(ClientCore):
                 self._reading = None
 
     async def _readable(self, seconds: float) -> None:
-        """Waits until the bus has a frame, at most that long."""
-        loop, wake = asyncio.get_running_loop(), asyncio.Event()
-        timer = loop.call_later(seconds, wake.set)
-        loop.add_reader(self._file, wake.set)
+        """Waits until the bus has a frame, or until a timer fires; at most for a time in seconds.
+
+        A timer stays for later waits: most end before it fires, and a timer of their own would cost more than they do.
+        """
+        loop = asyncio.get_running_loop()
+        at = loop.time() + seconds
+        if self._timer is None or at < self._timer.when():
+            if self._timer is not None:
+                self._timer.cancel()
+            self._timer = loop.call_at(at, self._end_wait)
+        self._wait = loop.create_future()
+        loop.add_reader(self._file, self._wake)
         try:
-            await wake.wait()
+            await self._wait
         finally:
             loop.remove_reader(self._file)
-            timer.cancel()
+
+    def _end_wait(self) -> None:
+        self._timer = None
+        self._wake()
+
+    def _wake(self) -> None:
+        if not self._wait.done():
+            self._wait.set_result(None)
 
     async def _wait_for_reading(self) -> None:
         """Waits for the thread that reads the bus, if there is one."""
