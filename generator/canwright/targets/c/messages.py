@@ -23,7 +23,7 @@ from ...semantics.plan import CheckConstant, message_plan
 from . import bits
 from .choices import ENUM_MAX, lacks, whole
 from .expressions import call, joined, operand, working
-from .layouts import LayoutView
+from .layouts import CodeChoice, LayoutView
 from .names import Names, Pattern, address_mask, member, named_patterns, pattern_of
 from .text import MacroView, heading, with_deprecation
 
@@ -224,7 +224,7 @@ class MessageView:
         """The condition for a frame that is identified as another message; empty if no values lead to one."""
         self.lacking = joined("||", lacking) if lacking else ""
         """The condition for a node that does not have the command of a request; empty without parameters that decide it."""
-        self.choice = layout.code.choice(message) if layout.code else None
+        self.choice = CodeChoice(message, layout.code.kind) if layout.code and plan.codes else None
         """How it uses the member with the code; None if it has one code at most."""
         self.code_read = self.choice.read if self.choice else "0u" if layout.code else ""
         """The value of the member with the code of a decoded message; empty if its struct has none."""

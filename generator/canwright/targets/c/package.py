@@ -15,7 +15,7 @@ from ...model.formatting import english
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, CodeExample, EditionInput, Output, WorkedExchange
 from .choices import enumerator_numbers
-from .cxx import CxxView, cxx_example
+from .cxx import CxxExample, CxxView
 from .examples import CommandExample, ExampleView
 from .expressions import operand
 from .names import FD, PARTS, SHARED, SHARED_CXX, TEXT, member
@@ -90,7 +90,7 @@ def files(specifications: Sequence[EditionInput]) -> Iterator[Output]:
         yield Output(f"share/pkgconfig/{family.name}.pc", env.get_template("package.pc.j2").render(family=family))
     e, x = shown[0]
     cxx = CxxView(views[0][0].edition, e)
-    y = cxx_example(cxx, x.exchanges[0]) if x.exchanges else None
+    y = CxxExample(cxx, x.exchanges[0]) if x.exchanges else None
     for file in (*PACKAGES, *(["examples/CMakeLists.txt"] * has_examples)):
         yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x, cxx=cxx, y=y))
 

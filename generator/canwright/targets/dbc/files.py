@@ -15,10 +15,10 @@ from ..options import NO_OPTIONS, Options
 from . import sending
 from .comments import ENGLISH, Comments
 from .frames import Frame, Part, frames, partners
-from .names import message_endings, node_name
+from .names import known_values, message_endings, node_name
 from .selection import COMMENTS, NODES
 from .signals import Signals
-from .text import fitting, number
+from .text import fitting
 from .view import KIND, File, Message, Signal, fitted
 
 _OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY}
@@ -130,11 +130,8 @@ class _Files:
         return [first._replace(known=tuple(self.known({})), comment=comment)]
 
     def known(self, assignment: Assignment) -> Iterator[str]:
-        """The parameter values in file names: a name alone, a number together with the name of its parameter."""
-        for name, value in assignment.items():
-            yield f"{name}_{value}" if self._edition.parameter(name).is_numeric else str(value)
-        for name, fixed in self._numbers.items():
-            yield f"{name}_{number(fixed)}"
+        """The parameter values in file names, with those that are set."""
+        return known_values(self._edition, {**assignment, **self._numbers})
 
     def _plain_contents(self, group: Sequence[Direction], assignment: Assignment) -> Iterator[_Content]:
         for direction in group:
