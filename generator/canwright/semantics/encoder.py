@@ -72,7 +72,7 @@ class Encoder:
         self._fields: dict[Message, Mapping[str, Field] | None] = {}
         self._steps: dict[Message, Sequence[_FrameStep]] = {}
         self._rejections: dict[tuple[Message, int | None, int | None], Rejection | None] = {}
-        self._allows: dict[Type, Callable[[int], bool]] = {}
+        self._accepts: dict[Type, Callable[[int], bool]] = {}
         self._nearest: dict[Field, Callable[[Fraction], int | Rejection]] = {}
 
     def fields(self, message: Message) -> Mapping[str, Field] | None:
@@ -190,15 +190,17 @@ class Encoder:
         if isinstance(raw, list):
             each = (self.rejects_raw(field, element) for element in raw)
             return _wrong_count(field, len(raw)) or next(filter(None, each), None)
-        if field.type.no_value(raw):
+        if self.accepts(field.type)(raw):
             return None
         if field.type.encoding is Encoding.FLOAT and not is_finite(field.type, raw):
             return Rejection(Refusal.NOT_FINITE, f"raw {raw} is no finite number in `{field.name}`", field.name)
-        if field.type not in self._allows:
-            self._allows[field.type] = self._allowed(field.type)
-        if self._allows[field.type](raw):
-            return None
         return Rejection(Refusal.OUT_OF_RANGE, f"raw {raw} is invalid for `{field.name}`", field.name)
+
+    def accepts(self, type_: Type) -> Callable[[int], bool]:
+        """Whether a raw integer is valid for a type: a finite number in its range, a name, or no value."""
+        if type_ not in self._accepts:
+            self._accepts[type_] = self._accepting(type_)
+        return self._accepts[type_]
 
     def field_raw(self, field: Field, value: Value) -> Raw | Rejection:
         """The raw integer of a value of a field, or a list for an array. Names must be those of the type."""
@@ -253,6 +255,12 @@ class Encoder:
             return "any finite number"
         low, high = type_.raw_limits
         return formatting.span(span) if span else f"raw {low}..{high}"
+
+    def _accepting(self, type_: Type) -> Callable[[int], bool]:
+        allows = self._allowed(type_)
+        if type_.encoding is Encoding.FLOAT:
+            return lambda raw: type_.no_value(raw) is not None or (is_finite(type_, raw) and allows(raw))
+        return (lambda raw: type_.no_value(raw) is not None or allows(raw)) if type_.no_values else allows
 
     def _allowed(self, type_: Type) -> Callable[[int], bool]:
         valid = valid_raws(type_).at(self.assignment) or width_limits(type_)
