@@ -8,18 +8,15 @@ import contextlib
 import math
 import time
 from collections.abc import AsyncIterator, Coroutine, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import can
 
 from ._codec import Message, Request
-from .client import LISTEN, ClientCore, Outcome
+from .client import LISTEN, ClientCore, Outcome, R, T
 
 if TYPE_CHECKING:
     from typing_extensions import Self
-
-R = TypeVar("R", bound=Message)
-T = TypeVar("T")
 
 
 class AsyncClient(ClientCore):
@@ -33,7 +30,6 @@ class AsyncClient(ClientCore):
 
     async def __aexit__(self, *_: object) -> None:
         await self._run(self._close())
-        await self._wait_for_reading()
 
     async def request(self, request: Request[R], *, allow: str = "", tries: int = 1, timeout: float | None = None) -> R:
         """The reply to a request. Raises ClientError."""
@@ -72,7 +68,6 @@ class AsyncClient(ClientCore):
     async def reopen(self, bus: can.BusABC) -> None:
         """Starts again with another bus object, as `Client.reopen`."""
         async with self._turn:
-            await self._wait_for_reading()
             self._use(bus)
             await self._settle(self.nodes.values())
 
@@ -84,8 +79,6 @@ class AsyncClient(ClientCore):
 
     def _use(self, bus: can.BusABC) -> None:
         super()._use(bus)
-        self._reading: asyncio.Future[can.Message | None] | None = None
-        """A thread that reads a bus without a file descriptor."""
         self._file = -1
         with contextlib.suppress(NotImplementedError):
             self._file = -1 if self._notifier else bus.fileno()
@@ -99,20 +92,19 @@ class AsyncClient(ClientCore):
             steps.close()
 
     async def _next_frame(self, until: float) -> can.Message | None:
-        if self._reading is None:
-            message = self._receive(0.0)
-            left = until - time.monotonic()
-            if message is not None or left <= 0:
-                return message
-            if self._file >= 0:
-                await self._readable(left)
-                return self._receive(0.0)
-            self._reading = asyncio.get_running_loop().run_in_executor(None, self._receive, min(left, LISTEN))
+        message = self._receive(0.0)
+        left = until - time.monotonic()
+        if message is not None or left <= 0:
+            return message
+        if self._file >= 0:
+            await self._readable(left)
+            return self._receive(0.0)
+        reading = asyncio.get_running_loop().run_in_executor(None, self._receive, min(left, LISTEN))
         try:
-            return await asyncio.shield(self._reading)  # a frame that comes after a cancellation is the next one
-        finally:
-            if self._reading.done():
-                self._reading = None
+            return await asyncio.shield(reading)
+        except asyncio.CancelledError:
+            await asyncio.wait((reading,))  # only one thread may read the bus
+            raise
 
     async def _readable(self, seconds: float) -> None:
         """Waits until the bus has a frame, or until a timer fires; at most for a time in seconds.
@@ -139,8 +131,3 @@ class AsyncClient(ClientCore):
     def _wake(self) -> None:
         if not self._wait.done():
             self._wait.set_result(None)
-
-    async def _wait_for_reading(self) -> None:
-        """Waits for the thread that reads the bus, if there is one."""
-        if self._reading is not None:
-            await asyncio.wait((self._reading,))
