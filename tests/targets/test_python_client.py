@@ -198,11 +198,11 @@ def test_motion_wear_and_contact_need_consent(bench: Make) -> None:
     with bus.client(allow={2: "motion"}) as client:
         bus.sent()
         with pytest.raises(
-            refused, match=r"The motor moves. To allow this, write Client\(..., allow=\"motion\"\) or request"
+            refused, match=r"The motor moves. To allow this, give the client or the call allow=\"motion\"$"
         ):
             client.request(bus.torque(1))
         for request, consent in ((contact, "contact"), (wear, "wear")):
-            with pytest.raises(refused, match=f'write request\\(..., allow="{consent}"\\)'):
+            with pytest.raises(refused, match=f'give the call allow="{consent}"$'):
                 client.request(request, allow="motion")
         with pytest.raises(refused, match="brake is locked or released"):
             client.request(edition.BrakeRequest(node=1, action=brake.RELEASE))

@@ -75,8 +75,8 @@ class ConsentError(ClientError, PermissionError):
         """What was not sent, and the effect."""
         self.consent = consent
         """What would allow it."""
-        where = f'Client(..., allow="{consent}") or ' if consent == MOTION else ""
-        super().__init__(f'{self.reason}. To allow this, write {where}request(..., allow="{consent}")')
+        where = "the client or the call" if consent == MOTION else "the call"
+        super().__init__(f'{self.reason}. To allow this, give {where} allow="{consent}"')
 
 
 FAILURES: Mapping[str, tuple[type[ClientError], str]] = {
