@@ -10,6 +10,7 @@ import random
 import socket
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from types import ModuleType
@@ -198,11 +199,11 @@ def test_motion_wear_and_contact_need_consent(bench: Make) -> None:
     with bus.client(allow={2: "motion"}) as client:
         bus.sent()
         with pytest.raises(
-            refused, match=r"The motor moves. To allow this, write Client\(..., allow=\"motion\"\) or request"
+            refused, match=r"The motor moves. To allow this, give the client or the call allow=\"motion\"$"
         ):
             client.request(bus.torque(1))
         for request, consent in ((contact, "contact"), (wear, "wear")):
-            with pytest.raises(refused, match=f'write request\\(..., allow="{consent}"\\)'):
+            with pytest.raises(refused, match=f'give the call allow="{consent}"$'):
                 client.request(request, allow="motion")
         with pytest.raises(refused, match="brake is locked or released"):
             client.request(edition.BrakeRequest(node=1, action=brake.RELEASE))
@@ -507,7 +508,7 @@ def test_asyncio_has_the_same_rules(package: dict[str, ModuleType], has_file: bo
 
 
 def test_a_time_out_of_asyncio_ends_in_time_in_each_loop(package: dict[str, ModuleType]) -> None:
-    """The timer of a wait serves later ones: not those that end sooner, and not those in another loop."""
+    """Also after longer ones, and in a second loop."""
     bench = Bench(package, Clock(), "v2_35")
     bus = _AnsweringBus(bench, has_file=True, delay=0.002)
     options: dict[str, Any] = {"allow": "motion", "on_exit": "nothing", "timeout": 1}
@@ -524,6 +525,79 @@ def test_a_time_out_of_asyncio_ends_in_time_in_each_loop(package: dict[str, Modu
 
     asyncio.run(ask(0.02, 0.5))
     asyncio.run(ask(None, 5))
+    bus.shutdown()
+
+
+def test_a_program_can_close_the_bus_that_the_loop_watches(package: dict[str, ModuleType]) -> None:
+    """The number of its file is free for others then, and the loop of asyncio serves them."""
+    bench = Bench(package, Clock(), "v2_35")
+    module = import_module("mwd_motor.client_asyncio")
+
+    async def close_and_open(reopen: bool) -> None:
+        bus = _AnsweringBus(bench, has_file=True, delay=0.001)
+        async with module.AsyncClient(bus, bench.nodes[:1], timeout=1) as client:
+            status = bench.edition.ReadStatus1Request(node=1)
+            assert (await client.request(status)).voltage == 48
+            number = bus.fileno()
+            bus.error = can.CanOperationError("closed")
+            bus.shutdown()
+            ours, theirs = socket.socketpair()
+            assert ours.fileno() == number
+            reader, writer = await asyncio.open_connection(sock=ours)
+            theirs.send(b"line\n")
+            assert await asyncio.wait_for(reader.readline(), 1) == b"line\n"
+            with pytest.raises(bench.client_module.BusLost):
+                await client.request(status)
+            if reopen:
+                bus = _AnsweringBus(bench, has_file=True, delay=0.001)
+                await client.reopen(bus)
+                assert (await client.request(status)).voltage == 48
+        theirs.send(b"more\n")
+        assert await asyncio.wait_for(reader.readline(), 1) == b"more\n"
+        writer.close()
+        theirs.close()
+        bus.shutdown()
+
+    for reopen in (False, True):
+        asyncio.run(close_and_open(reopen))
+
+
+@pytest.mark.parametrize("has_file", [False, True])
+def test_a_bus_that_is_lost_ends_the_wait_of_asyncio(package: dict[str, ModuleType], has_file: bool) -> None:
+    bench = Bench(package, Clock(), "v2_35")
+    bus = _AnsweringBus(bench, has_file=has_file)
+
+    async def lose() -> None:
+        async with import_module("mwd_motor.client_asyncio").AsyncClient(bus, bench.nodes[:1], timeout=20) as client:
+            asked = asyncio.ensure_future(client.request(bench.edition.ReadEncoderRequest(node=1)))
+            bench.silent = {1}
+            await asyncio.sleep(0.02)
+            bus.error = can.CanOperationError("bus off")
+            bus.wake()
+            with pytest.raises(bench.client_module.BusLost, match="bus off"):
+                await asyncio.wait_for(asked, 5)
+
+    asyncio.run(lose())
+    bus.shutdown()
+
+
+def test_frames_that_no_task_waits_for_do_not_turn_the_loop(package: dict[str, ModuleType]) -> None:
+    bench = Bench(package, Clock(), "v2_35")
+    bus = _AnsweringBus(bench, has_file=True, delay=0.001)
+
+    async def idle() -> float:
+        """The processor time while frames lie in the bus."""
+        async with import_module("mwd_motor.client_asyncio").AsyncClient(bus, bench.nodes[:1], timeout=1) as client:
+            status = bench.edition.ReadStatus1Request(node=1)
+            await client.request(status)
+            bus._reply(can.Message(arbitration_id=0x142, data=bytes.fromhex("9C00000000000000")))
+            start = time.process_time()
+            await asyncio.sleep(0.2)
+            idle = time.process_time() - start
+            assert (await client.request(status)).voltage == 48
+        return idle
+
+    assert asyncio.run(idle()) < 0.02
     bus.shutdown()
 
 
@@ -555,10 +629,15 @@ class _AnsweringBus:
     def _reply(self, message: can.Message) -> None:
         for reply in self._bench._answer(message):
             self._frames.put(reply)
-            if self._sockets is not None:
-                self._sockets[1].send(b"x")
+            self.wake()
+
+    def wake(self) -> None:
+        if self._sockets is not None:
+            self._sockets[1].send(b"x")
 
     def recv(self, timeout: float) -> can.Message | None:
+        if self.error is not None:
+            raise self.error
         try:
             message = self._frames.get(timeout=timeout) if timeout else self._frames.get_nowait()
         except queue.Empty:

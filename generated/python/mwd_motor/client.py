@@ -75,8 +75,8 @@ class ConsentError(ClientError, PermissionError):
         """What was not sent, and the effect."""
         self.consent = consent
         """What would allow it."""
-        where = f'Client(..., allow="{consent}") or ' if consent == MOTION else ""
-        super().__init__(f'{self.reason}. To allow this, write {where}request(..., allow="{consent}")')
+        where = "the client or the call" if consent == MOTION else "the call"
+        super().__init__(f'{self.reason}. To allow this, give {where} allow="{consent}"')
 
 
 FAILURES: Mapping[str, tuple[type[ClientError], str]] = {
@@ -435,8 +435,8 @@ class ClientCore:
         return jobs
 
     async def _gather(self, request: Request[R], allow: str, timeout: float | None) -> list[R]:
-        repliers = [self.nodes[number] for number in request.REPLIERS if number in self.nodes]
-        jobs = await self._settled(repliers or [self._node(request.node)], request, allow, timeout)
+        nodes = [self.nodes[number] for number in request.REPLIERS if number in self.nodes]
+        jobs = await self._settled(nodes or [self._node(request.node)], request, allow, timeout)
         for job in jobs[1:]:
             job.message = None
         return [reply for outcome in await self._exchange(jobs) for reply in outcome.replies]
@@ -467,59 +467,50 @@ class ClientCore:
 
     async def _dump(self, number: int | None) -> dict[str, Any]:
         node = self._node(number)
-        settings = await self._read(node, node.edition.client_facts.settings)
-        return {name: value for values in settings.values() for name, value in values.items()}
+        return await self._read(node, node.edition.client_facts.settings)
 
-    async def _read(
-        self, node: Node[Any, Any], reads: Iterable[type[Request[Any]]]
-    ) -> dict[type[Request[Any]], dict[str, Any]]:
-        """What each read returns of the settings that the node has. Raises ClientError."""
+    async def _read(self, node: Node[Any, Any], reads: Iterable[type[Request[Any]]]) -> dict[str, Any]:
+        """The settings of a node that some reads return. Raises ClientError."""
         requests: list[Request[Any]] = []
         for read in reads:
             with suppress(CodecError):  # the node does not have it
                 requests.append(node.make(read))
-        settings: dict[type[Request[Any]], dict[str, Any]] = {}
+        settings: dict[str, Any] = {}
         for outcome in await self._cycle(requests):
-            read = type(outcome.request)
-            writes = node.edition.client_facts.settings[read].values()
-            written = {name for write in writes for name in write.VARIABLES.values()}
-            values = variables_of(outcome.get())
-            settings[read] = {name: value for name, value in values.items() if name in written}
+            written = _variables(node.edition.client_facts.settings[type(outcome.request)].values())
+            settings |= {name: value for name, value in variables_of(outcome.get()).items() if name in written}
         return settings
 
     async def _restore(
         self, settings: Mapping[str, Any], number: int | None, kept: str, allow: str
     ) -> dict[str, tuple[Any, Any]]:
         node = self._node(number)
-        requests = node.edition.client_facts.settings
-        present = await self._read(node, requests)
-        missing = settings.keys() - {name for values in present.values() for name in values}
-        if missing:
+        facts = node.edition.client_facts.settings
+        present = await self._read(node, facts)
+        if missing := settings.keys() - present.keys():
             raise ValueError(f"{node!r} has no settings {', '.join(sorted(missing))}")
+        wanted = {**present, **settings}
+        changes = differences(present, wanted)
         writes: list[_Job] = []
-        written: list[type[Request[Any]]] = []
+        readable: list[type[Request[Any]]] = []
         """The reads that return what is written; no description states it of what is staged."""
-        changed: dict[str, tuple[Any, Any]] = {}
-        for read, values in present.items():
-            wanted = {name: settings.get(name, value) for name, value in values.items()}
-            differing = differences(values, wanted)
-            if not differing:
+        for read, requests in facts.items():
+            if not (differing := changes.keys() & _variables(requests.values())):
                 continue
-            how = next((how for how in ((kept,) if kept else ("ram", "staged", "rom")) if how in requests[read]), None)
+            how = next((how for how in ([kept] if kept else ["ram", "staged", "rom"]) if how in requests), None)
             if how is None:
-                raise ValueError(f"{node!r} has no request that writes {', '.join(differing)} with kept={kept!r}")
-            write = requests[read][how]
-            request = node.make(write, **{field: wanted[name] for field, name in write.VARIABLES.items()})
-            writes.append(self._job(node, request, allow=allow))
-            changed |= differing
-            if how != "staged":
-                written.append(read)
+                raise ValueError(
+                    f"{node!r} has no request that writes {', '.join(sorted(differing))} with kept={kept!r}"
+                )
+            values = {field: wanted[name] for field, name in requests[how].VARIABLES.items()}
+            writes.append(self._job(node, node.make(requests[how], **values), allow=allow))
+            readable += [read] if how != "staged" else []
         replies = [variables_of(outcome.get()) for outcome in await self._exchange(writes)]
-        for values in (*replies, *(await self._read(node, written)).values()):
-            for name in changed.keys() & values.keys():
-                if values[name] != changed[name][1]:
-                    raise NotWritten(f"{name} of {node!r} is {values[name]!r} after {changed[name][1]!r} was written")
-        return changed
+        for values in (*replies, await self._read(node, readable)):
+            for name in changes.keys() & values.keys():
+                if values[name] != wanted[name]:
+                    raise NotWritten(f"{name} of {node!r} is {values[name]!r} after {wanted[name]!r} was written")
+        return changes
 
     async def _listen(self, until: float) -> Message | None:
         """The next frame that a node sent without a request; None if none came until then."""
@@ -537,8 +528,7 @@ class ClientCore:
         """Stops the nodes that were moved, and stops reading. Warns of each node that does not confirm it."""
         jobs: list[_Job] = []
         for node in [self.nodes[number] for number in self._moved if self._lost is None]:
-            stop = node.edition.client_facts.ends_motion.get(ON_EXIT[self._on_exit])
-            if stop is not None:
+            if stop := node.edition.client_facts.ends_motion.get(ON_EXIT[self._on_exit]):
                 jobs.append(self._job(node, node.make(stop)))
                 jobs[-1].tries, jobs[-1].at_once = STOP_TRIES, True
         if jobs:
@@ -549,6 +539,11 @@ class ClientCore:
         unconfirmed, self._moved = sorted(self._moved), set()
         if unconfirmed and self._on_exit != "nothing":
             warnings.warn(f"nodes did not confirm {self._on_exit}, and may still move: {unconfirmed}", stacklevel=2)
+
+
+def _variables(writes: Iterable[type[Message]]) -> set[str]:
+    """The variables of a node that some requests write."""
+    return {name for write in writes for name in write.VARIABLES.values()}
 
 
 def _is_repeatable(node: Node[Any, Any], request: Message) -> bool:

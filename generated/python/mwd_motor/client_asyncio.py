@@ -6,20 +6,18 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import math
+import os
 import time
 from collections.abc import AsyncIterator, Coroutine, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import can
 
 from ._codec import Message, Request
-from .client import LISTEN, ClientCore, Outcome
+from .client import LISTEN, ClientCore, Outcome, R, T
 
 if TYPE_CHECKING:
     from typing_extensions import Self
-
-R = TypeVar("R", bound=Message)
-T = TypeVar("T")
 
 
 class AsyncClient(ClientCore):
@@ -27,13 +25,14 @@ class AsyncClient(ClientCore):
 
     async def __aenter__(self) -> Self:
         self._turn = asyncio.Lock()
-        self._timer: asyncio.TimerHandle | None = None
+        self._watched = -1
+        """A descriptor of its own for the bus, while the loop watches it: the program may close the bus at any time."""
         await self._run(self._settle(self.nodes.values()))
         return self
 
     async def __aexit__(self, *_: object) -> None:
         await self._run(self._close())
-        await self._wait_for_reading()
+        self._unwatch()
 
     async def request(self, request: Request[R], *, allow: str = "", tries: int = 1, timeout: float | None = None) -> R:
         """The reply to a request. Raises ClientError."""
@@ -72,7 +71,7 @@ class AsyncClient(ClientCore):
     async def reopen(self, bus: can.BusABC) -> None:
         """Starts again with another bus object, as `Client.reopen`."""
         async with self._turn:
-            await self._wait_for_reading()
+            self._unwatch()
             self._use(bus)
             await self._settle(self.nodes.values())
 
@@ -84,11 +83,9 @@ class AsyncClient(ClientCore):
 
     def _use(self, bus: can.BusABC) -> None:
         super()._use(bus)
-        self._reading: asyncio.Future[can.Message | None] | None = None
-        """A thread that reads a bus without a file descriptor."""
         self._file = -1
         with contextlib.suppress(NotImplementedError):
-            self._file = -1 if self._notifier else bus.fileno()
+            self._file = -1 if self._notifier or os.name == "nt" else bus.fileno()
 
     async def _run(self, steps: Coroutine[Any, Any, T]) -> T:
         """What the steps of a method return; tasks wait for each other."""
@@ -99,48 +96,51 @@ class AsyncClient(ClientCore):
             steps.close()
 
     async def _next_frame(self, until: float) -> can.Message | None:
-        if self._reading is None:
-            message = self._receive(0.0)
-            left = until - time.monotonic()
-            if message is not None or left <= 0:
-                return message
-            if self._file >= 0:
-                await self._readable(left)
-                return self._receive(0.0)
-            self._reading = asyncio.get_running_loop().run_in_executor(None, self._receive, min(left, LISTEN))
+        message = self._receive(0.0)
+        left = until - time.monotonic()
+        if message is not None or left <= 0:
+            return message
+        if self._file >= 0:
+            return await self._watch(left)
+        reading = asyncio.get_running_loop().run_in_executor(None, self._receive, min(left, LISTEN))
         try:
-            return await asyncio.shield(self._reading)  # a frame that comes after a cancellation is the next one
-        finally:
-            if self._reading.done():
-                self._reading = None
+            return await asyncio.shield(reading)
+        except asyncio.CancelledError:
+            await asyncio.wait((reading,))  # only one thread may read the bus
+            raise
 
-    async def _readable(self, seconds: float) -> None:
-        """Waits until the bus has a frame, or until a timer fires; at most for a time in seconds.
-
-        A timer stays for later waits: most end before it fires, and a timer of their own would cost more than they do.
-        """
+    async def _watch(self, seconds: float) -> can.Message | None:
+        """The next frame; None if there is none for a time in seconds. Afterwards, the loop still watches the bus."""
         loop = asyncio.get_running_loop()
-        at = loop.time() + seconds
-        if self._timer is None or at < self._timer.when():
-            if self._timer is not None:
-                self._timer.cancel()
-            self._timer = loop.call_at(at, self._end_wait)
-        self._wait = loop.create_future()
-        loop.add_reader(self._file, self._wake)
+        self._wait: asyncio.Future[can.Message | None] = loop.create_future()
+        if self._watched < 0:
+            self._watched = os.dup(self._file)
+            loop.add_reader(self._watched, self._on_readable)
+        timer = loop.call_later(seconds, self._end_wait)
         try:
-            await self._wait
+            return await self._wait
         finally:
-            loop.remove_reader(self._file)
+            timer.cancel()
+
+    def _on_readable(self) -> None:
+        """Reads for the task that waits. Without one, a frame ends the watch, so that the loop does not turn for nothing."""
+        if self._wait.done():
+            self._unwatch()
+            return
+        try:
+            message = self._receive(0.0)
+        except Exception as error:
+            self._wait.set_exception(error)
+        else:
+            if message is not None:
+                self._wait.set_result(message)
 
     def _end_wait(self) -> None:
-        self._timer = None
-        self._wake()
-
-    def _wake(self) -> None:
         if not self._wait.done():
             self._wait.set_result(None)
 
-    async def _wait_for_reading(self) -> None:
-        """Waits for the thread that reads the bus, if there is one."""
-        if self._reading is not None:
-            await asyncio.wait((self._reading,))
+    def _unwatch(self) -> None:
+        if self._watched >= 0:
+            asyncio.get_running_loop().remove_reader(self._watched)
+            os.close(self._watched)
+            self._watched = -1

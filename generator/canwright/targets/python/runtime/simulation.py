@@ -10,6 +10,7 @@ import random
 import threading
 import time
 import warnings
+from bisect import insort
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -84,12 +85,9 @@ class SimulatedNode:
     def __init__(self, node: Node[Any, Any], behaviour: Behaviour | None = None, **values: Any) -> None:
         self.node = node
         self.behaviour = behaviour or Behaviour()
-        self.values: dict[str, Any] = {}
-        self.state = ""
         self.silent_until = self.last_frame_at = -math.inf
         """Until when it does not send, and when it sends the last frame, by `time.monotonic()`."""
         self._kept = values
-        self._staged: dict[str, Any] = {}
         self._numbering = Numbering()
         self.power_on()
 
@@ -103,8 +101,9 @@ class SimulatedNode:
 
     def power_on(self) -> None:
         """Starts again: with the first values and those that are kept after power-off, in the state after power-up."""
-        self.values = dict(self._kept)
-        self._staged.clear()
+        self.values: dict[str, Any] = dict(self._kept)
+        self._staged: dict[str, Any] = {}
+        self.state = ""
         for state in [*self.node.edition.client_facts.states][:1]:
             self._enter(state)
 
@@ -182,8 +181,7 @@ class SimulatedNode:
             return _nearest_raw(type_, self.values[variable], parameters, name)
         if request is not None and request.TYPES.get(name) is type_ and name in request.fields():
             return request.raw()[name]
-        raw = _valid(type_, kind.PLAUSIBLE.get(name, 0), parameters, name)
-        return (raw,) * type_.count if isinstance(type_, ArrayType) else raw
+        return _valid_raw(type_, kind.PLAUSIBLE.get(name, 0), parameters, name)
 
 
 def _nearest_raw(type_: FieldType, value: Any, parameters: Any, name: str) -> Any:
@@ -199,12 +197,13 @@ def _nearest_raw(type_: FieldType, value: Any, parameters: Any, name: str) -> An
         return type_.raw_range(parameters)[0 if abs(value - low) < abs(value - high) else 1]
 
 
-def _valid(type_: FieldType, raw: int, parameters: Any, name: str) -> int:
-    """A valid raw integer, the given one if possible."""
+def _valid_raw(type_: FieldType, raw: int, parameters: Any, name: str) -> Any:
+    """A valid raw integer, the given one if possible; of an array one for each element."""
+    if isinstance(type_, ArrayType):
+        return (_valid_raw(type_.type, raw, parameters, name),) * type_.count
     low, high = type_.raw_range(parameters)
-    one = type_.type if isinstance(type_, ArrayType) else type_
     try:
-        return int(one.check(min(max(raw, low), high), parameters, name))
+        return type_.check(min(max(raw, low), high), parameters, name)
     except CodecError:
         return low
 
@@ -315,8 +314,7 @@ class Simulation:
     def _queue(self, node: SimulatedNode, at: float, frame: can.Message) -> None:
         """A node answers in order: what comes after a late frame is late, too."""
         at = node.last_frame_at = max(at, node.last_frame_at)
-        self._due.append((at, frame))
-        self._due.sort(key=itemgetter(0))
+        insort(self._due, (at, frame), key=itemgetter(0))
 
     def flush(self, now: float) -> None:
         """Sends the frames that are due. Raises what the bus raises."""
