@@ -124,7 +124,7 @@ class MessageViews:
         return LayoutView(
             name=self._bases[group],
             doc=docstrings.of_layout(message.layout),
-            body=self._bodies.body(messages, ()),
+            body=BodyView(self._bodies, messages, ()),
             encode=self._encode(message, "self.CODE") if group in self._encoding_bases else None,
         )
 
@@ -140,7 +140,7 @@ class MessageViews:
             header=code.call(f"class {name}", self._base_classes(command, message)),
             doc=docstrings.of_message(command, message),
             node_place=_place(message) if message.node_in_data else None,
-            body=self._bodies.body([message], command.from_each)
+            body=BodyView(self._bodies, [message], command.from_each)
             if has_body and (codes or group not in self._bases)
             else None,
             id=encoding.fixed_id(message),
