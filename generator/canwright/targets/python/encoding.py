@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...model.layout import Space, Variant
@@ -16,21 +15,17 @@ from .class_bodies import ClassBodies, positions, storage
 from .imports import Imports
 
 
-@dataclass(frozen=True, kw_only=True)
 class EncodeView:
-    """The statements that return the data bytes: one case where all variants of a layout are written in the same way."""
+    """The statements that return the data bytes: one case where all variants of a layout are written in the same way.
 
-    parameter: str
-    cases: tuple[tuple[code.Code, ...], ...]
+    `selector` is the expression of the code, if that is not constant.
+    """
 
-
-def encode_view(message: Message, bodies: ClassBodies, selector: str = "") -> EncodeView:
-    """How a message writes its bytes; `selector` is the expression of its code, if that is not constant."""
-    layout = message.layout
-    cases = tuple(tuple(_case(message, variant, bodies, selector)) for variant in layout.variants)
-    return EncodeView(
-        parameter=text.attribute(layout.parameter or ""), cases=cases[:1] if len(set(cases)) == 1 else cases
-    )
+    def __init__(self, message: Message, bodies: ClassBodies, selector: str = "") -> None:
+        layout = message.layout
+        cases = [tuple(_case(message, variant, bodies, selector)) for variant in layout.variants]
+        self.parameter = text.attribute(layout.parameter or "")
+        self.cases = cases[:1] if len(set(cases)) == 1 else cases
 
 
 def _case(message: Message, variant: Variant, bodies: ClassBodies, selector: str) -> Iterator[code.Code]:
