@@ -79,7 +79,7 @@ def module_view(edition: Edition) -> dict[str, object]:
         "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
         "answers": list(routes.answer_views(edition, readers)),
         "nodes_in_data": list(routes.node_readers(edition, readers)),
-        "client_facts": client_facts.view(edition),
+        "client_facts": client_facts.ClientFactsView(edition),
         "slow_replies": edition.slow_replies,
         "reply_within_ms": None if edition.bus.reply_within_ms is None else float(edition.bus.reply_within_ms),
         "request_classes": routes.decoded_classes(edition, Direction.REQUEST),
