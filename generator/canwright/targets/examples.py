@@ -125,8 +125,7 @@ class Examples:
         variant = message.layout.variant(self.usual_parameters) if message else None
         if message is None or variant is None:
             return None
-        fields = (field for field in variant.fields if field.is_given)
-        raws: dict[str, RawValue] = {f.name: _simplest_raw(f, node, self.usual_parameters) for f in fields}
+        raws: dict[str, RawValue] = {f.name: _simplest_raw(f, node, self.usual_parameters) for f in variant.given}
         node_of_id = None if message.id.nodes is None else node
         frame = Encoder(self.usual_parameters).encode_raws(message, node_of_id, raws)
         if isinstance(frame, Rejection):

@@ -10,7 +10,6 @@ from ...model.formatting import english, further_replies
 from ...model.layout import Layout
 from ...model.message import Direction, Message
 from ...model.types import Parameter, Type
-from ...semantics.plan import value_fields
 from . import messages as c
 from .choices import parameter_kind
 from .conversions import ConversionView
@@ -155,8 +154,7 @@ class CxxView:
         self._enums = dict(zip(items, free, strict=True))
         self.tags = _enumerators(view.fields)
         self._tags = dict(zip((name for _, name in view.fields), self.tags, strict=True))
-        fields = {layout: list(value_fields(layout.fields).values()) for layout in layouts(edition)}
-        self._fields = {layout: own for layout, own in fields.items() if own or self._code(layout)}
+        self._fields = {layout: layout.given for layout in layouts(edition) if layout.given or self._code(layout)}
         self._layouts = dict(zip(self._fields, _distinct(layout.name for layout in self._fields), strict=True))
         types = {f.type.name: f.type for own in self._fields.values() for f in own}.values()
         names = _distinct(map(self._stem, types), TYPE_NAMES)

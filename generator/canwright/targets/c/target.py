@@ -83,7 +83,7 @@ def _exported(edition: Edition) -> Iterator[Exported]:
     """The members of structs, and the names in the header that are no part of other functions."""
     printed = declared(edition)
     yield from ((("parameters", parameter.name), f".{member(parameter.name)}") for parameter in edition.parameters)
-    yield from ((f.path, member(f.name)) for layout in layouts(edition) for f in layout.fields if f.is_given)
+    yield from ((f.path, member(f.name)) for layout in layouts(edition) for f in layout.given)
     for name, _, path in names.defined(edition):
         if path and name in printed and not name.endswith(names.PARTS_OF_FUNCTIONS):
             yield path, name

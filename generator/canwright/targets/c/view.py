@@ -108,14 +108,13 @@ class EditionView:
         self.doc = _edition_doc(edition)
         self.facts = list(_facts(names, edition))
         self.parameters = edition.parameters
-        fields = [field for layout in used for field in layout.fields]
-        self.of_type = {
-            type_: TypeView(names, edition, type_) for type_ in edition.types if type_ in {f.type for f in fields}
-        }
+        types = {field.type for layout in used for field in layout.fields}
+        self.of_type = {type_: TypeView(names, edition, type_) for type_ in edition.types if type_ in types}
         """The types that fields use, in spec order."""
         self.types = list(self.of_type.values())
         self.fields = [
-            (names.upper("field", name), name) for name in dict.fromkeys(f.name for f in fields if f.is_given)
+            (names.upper("field", name), name)
+            for name in dict.fromkeys(f.name for layout in used for f in layout.given)
         ]
         """The enumerator of each field, with its name."""
         self.has_joined = any(view.joined for view in self.types)

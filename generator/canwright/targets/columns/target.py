@@ -61,7 +61,6 @@ class ColumnsTarget(Target):
             "columns_of": view.columns_of,
             "constant_name": view.constant_name,
             "arguments": view.arguments,
-            "varying": view.varying,
             "fraction": view.fraction,
             "kinds": view.kinds,
             "case_value": view.case_value,

@@ -37,11 +37,6 @@ from .checksums import Checksums
 from .imports import Imports
 
 
-def varying(fields: Iterable[Field]) -> list[Field]:
-    """The fields that a message stores: those whose value is not fixed."""
-    return [field for field in fields if field.is_given]
-
-
 class FieldView:
     """A field that a user sets and reads.
 
@@ -103,7 +98,7 @@ def whole(field: Field, parameter: str, parameters: str, imports: Imports) -> st
 def storage(layout: Layout) -> dict[Field, int]:
     """The place of each field among the raw integers of a message; fields that never exist together share places."""
     places: dict[Field, int] = {}
-    for field in varying(layout.fields):
+    for field in layout.given:
         beside = (neighbour for variant in layout.variants if field in variant.fields for neighbour in variant.fields)
         places[field] = 1 + max((places[neighbour] for neighbour in beside if neighbour in places), default=-1)
     return places
@@ -262,7 +257,7 @@ class ClassBodies:
         for step in message_plan(message).decoding:
             if _is_of_variant(step) and step.field in variant.fields:
                 yield from self.check(step, dlc)
-        own = positions(message, varying(variant.fields), stored, self.imports)
+        own = positions(message, variant.given, stored, self.imports)
         ordered = sorted((position for _, position in own), key=lambda position: position.first_byte)
         pattern = bits.struct_format(ordered, dlc)
         reads: dict[int, list[str]] = {}
@@ -284,7 +279,7 @@ class ClassBodies:
 
 def _names(variant: Variant, stored: Mapping[Field, int]) -> code.Code:
     """The name of the field at each place; None where a variant has no field."""
-    names = {stored[field]: text.literal(text.attribute(field.name)) for field in varying(variant.fields)}
+    names = {stored[field]: text.literal(text.attribute(field.name)) for field in variant.given}
     return code.tuple_of(names.get(place, "None") for place in range(max(stored.values(), default=-1) + 1))
 
 

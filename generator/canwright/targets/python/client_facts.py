@@ -12,7 +12,6 @@ from ...model.message import Command, Direction, Message
 from ...model.metadata import Consent, Repeat, State
 from ...semantics.exchange import has_node, is_read, reply_differs
 from . import code, text
-from .class_bodies import varying
 
 
 class ClientFactsView:
@@ -108,7 +107,7 @@ def _settings(edition: Edition, reads: Iterable[Command]) -> Iterator[tuple[Mess
         )
         if kept and stores_only and command.request and command.reply and command.implemented:
             written = node_variables(command, command.request)
-            values = varying(command.request.layout.fields)
+            values = command.request.layout.given
             if values and len(written) == len(values):
                 write = kept[0].value, command.request, {*written.values()}
                 writes.setdefault(next(iter(written.values())), []).append(write)
@@ -137,7 +136,7 @@ def _containing(edition: Edition, state: State) -> dict[str, int]:
 
 def node_variables(command: Command, message: Message) -> dict[Field, str]:
     """The variable of a node that each field contains, if it has one; in a reply each has one."""
-    values = varying(message.layout.fields)
+    values = message.layout.given
     entry = f"{command.entry.table}.{command.entry.name}" if command.entry else ""
     own = [field for field in values if field.path[0] != "commands"] if entry else []
     variables = {field: field.name for field in values} if message.direction is Direction.REPLY else {}
@@ -155,7 +154,7 @@ def state_attributes(command: Command, message: Message) -> Iterator[code.Code]:
     ]
     if states:
         yield code.dict_of(states, "VARIABLES = ")
-    plausible = {field.name: _plausible_raw(field) for field in varying(message.layout.fields) if is_reply}
+    plausible = {field.name: _plausible_raw(field) for field in message.layout.given if is_reply}
     raws = [f"{text.literal(text.attribute(name))}: {raw}" for name, raw in plausible.items() if raw]
     if raws:
         yield code.dict_of(raws, "PLAUSIBLE = ")

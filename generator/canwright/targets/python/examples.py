@@ -147,7 +147,7 @@ def arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.Ty
     """The values that make the message of a frame; None where a field has no value."""
     made: list[Argument] = []
     variant = message.layout.variant(frame.parameters)
-    for field in (f for f in (variant.fields if variant else ()) if f.is_given):
+    for field in variant.given if variant else ():
         view = views[field.type.name]
         value = _value(field, frame.values.get(field.name), view)
         if value is None:

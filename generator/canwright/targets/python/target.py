@@ -26,7 +26,7 @@ from ..base import (
 )
 from ..options import NO_OPTIONS, Options
 from . import code, docstrings, text
-from .class_bodies import depends_on_parameters, varying
+from .class_bodies import depends_on_parameters
 from .examples import CommandExample, example
 from .messages import base_classes
 from .module import SHARED, module_view
@@ -78,7 +78,7 @@ class PythonTarget(Target):
         yield from base_classes(edition)
         for message in edition.all_messages():
             yield message.path, text.class_name(message.name)
-            for field in varying(message.layout.fields):
+            for field in message.layout.given:
                 yield from ((field.path, text.attribute(field.name) + ending) for ending in ("", "_raw"))
         for parameter in edition.parameters:
             at: DocumentPath = ("parameters", parameter.name)

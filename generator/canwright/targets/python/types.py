@@ -22,9 +22,7 @@ def parameter_key(parameter: Parameter, value: str) -> str:
 def type_views(edition: Edition, imports: Imports) -> dict[str, TypeView]:
     """The types of the edition by name, without those of numbers that are always constant."""
     parameters = {p.name: p for p in edition.parameters}
-    stored = {
-        field.type.name for message in edition.all_messages() for field in message.layout.fields if field.is_given
-    }
+    stored = {field.type.name for message in edition.all_messages() for field in message.layout.given}
     return {t.name: TypeView(t, parameters, imports) for t in edition.types if not t.is_number or t.name in stored}
 
 
