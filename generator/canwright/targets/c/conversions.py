@@ -187,15 +187,13 @@ def _milli(
         if linear.times is None:
             return Formula(number=_to_milli(m, kind, raw, ends), out_of_range=beyond)
         dividend = m.dividend(_cast(INT64, raw, "raw"), INT64)
-        number = f"canwright_multiple64(&{ratio(linear)}, {dividend}, {m.divisor})"
-        return Formula(number=number, ratio=ratio(linear), factor=factor(linear), out_of_range=beyond)
+        return Formula(number=f"canwright_multiple64(&{ratio(linear)}, {dividend}, {m.divisor})", out_of_range=beyond)
 
     def from_(linear: Linear) -> Formula:
         m, raw = _Milli.of(linear), integer(type_)
         if linear.times is None:
             return _from_milli(m, kind, type_)
-        share = m.share_arguments(constant_limits(type_))
-        return Formula(number=f"({raw.name})steps", ratio=ratio(linear), factor=factor(linear), share=share)
+        return Formula(number=f"({raw.name})steps", share=m.share_arguments(constant_limits(type_)))
 
     return ConversionView(
         kind=kind.name,
@@ -207,9 +205,18 @@ def _milli(
     )
 
 
-def by_scale(names: Names, type_: Type, formula: Callable[[Linear], Formula]) -> Choice[Formula]:
-    """The formula for each scale of a type."""
-    return choose(names, type_.linear, lambda linear: formula(linear) if linear else NO_SCALE, MISSING_PARAMETER)
+def by_scale(
+    names: Names, type_: Type, formula: Callable[[Linear], Formula], unknown: Formula = MISSING_PARAMETER
+) -> Choice[Formula]:
+    """The formula for each scale of a type with what multiplies the scale; `unknown` if the parameter is not given."""
+
+    def of(linear: Linear | None) -> Formula:
+        if linear is None:
+            return NO_SCALE
+        made = formula(linear)
+        return made if made == NO_SCALE else made._replace(ratio=ratio(linear), factor=factor(linear))
+
+    return choose(names, type_.linear, of, unknown)
 
 
 def ratio(linear: Linear) -> str:
