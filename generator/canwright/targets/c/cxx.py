@@ -11,7 +11,6 @@ from ...model.layout import Layout
 from ...model.message import Direction, Message
 from ...model.types import Parameter, Type
 from . import messages as c
-from .choices import parameter_kind
 from .conversions import ConversionView
 from .examples import ExchangeView
 from .layouts import MemberView
@@ -49,14 +48,6 @@ class EnumView(NamedTuple):
     name_function: str = ""
     c_type: str = ""
     without_name: str = "a null pointer"
-
-
-class ParameterSetter(NamedTuple):
-    """A member of the parameters; `choice` is its enumeration, empty for a number."""
-
-    member: str
-    kind: str
-    choice: str
 
 
 class Conversion(NamedTuple):
@@ -171,10 +162,8 @@ class CxxView:
 
         self.namespace = f"{member(edition.family)}::{edition.identifier}"
         self.enums = list(self._enumerations())
-        self.parameters = [
-            ParameterSetter(member(p.name), parameter_kind(self._names, p), self._enums.get(p, ""))
-            for p in edition.parameters
-        ]
+        self.choices = {p: self._enums[p] for p in choices}
+        """The enumeration of each parameter that is a choice."""
         self.layouts = [
             LayoutView(name, self._names.lower(layout.name, "t"), tuple(self._layout(layout)), self._code(layout))
             for layout, name in self._layouts.items()

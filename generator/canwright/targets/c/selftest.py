@@ -21,7 +21,7 @@ from ...model.layout import Field, Layout
 from ...model.message import Direction, Message
 from ...model.refusal import Refusal
 from ...semantics.decoder import Decoder, Identified
-from ...semantics.frame import CanFrame, code_of, node_of
+from ...semantics.frame import can_frame, code_of, node_of
 from ..base import EditionInput
 from .choices import parameter_literal
 from .expressions import braces, integer, raw_of
@@ -93,7 +93,7 @@ class SelfTest:
         self.parameters = list(self._known)
 
     def _frame(self, frame: GoldenFrame) -> Case:
-        message, can = self._message(frame.direction, frame.command), _can(frame)
+        message, can = self._message(frame.direction, frame.command), can_frame(frame)
         alone = self._decoder.identify(frame.direction, can, frame.parameters)
         is_unique = isinstance(alone, Identified) and alone.message is message
         text = self._row(
@@ -200,7 +200,3 @@ def _fits(field: Field, raw: RawValue) -> bool:
     if isinstance(raw, list) and len(raw) != len(field.elements):
         return False
     return integer(field.type).holds(*(raw if isinstance(raw, list) else [raw]))
-
-
-def _can(frame: GoldenFrame) -> CanFrame:
-    return CanFrame(frame.id, frame.data, frame.extended, frame.remote)
