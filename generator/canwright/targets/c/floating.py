@@ -71,7 +71,6 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
     if not has_floating(type_, format_):
         return None
     is_float = type_.encoding is Encoding.FLOAT
-
     return ConversionView(
         kind=format_.name,
         to=by_scale(names, type_, lambda linear: Formula(number=_value(linear, type_, format_))),
