@@ -71,14 +71,12 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
     if not has_floating(type_, format_):
         return None
     is_float = type_.encoding is Encoding.FLOAT
-    return ConversionView(
-        kind=format_.name,
-        to=by_scale(names, type_, lambda linear: Formula(number=_value(linear, type_, format_))),
-        to_fails=type_.linear.parameter is not None or bool(type_.times or type_.no_values),
-        from_=by_scale(names, type_, lambda linear: Formula(number=_nearest(linear, type_, format_))),
-        wide=stored(type_) if is_float else _wide(type_).name,
-        check=valid if is_float or not has_constant_limits(type_) else None,
-    )
+    to = by_scale(names, type_, lambda linear: Formula(number=_value(linear, type_, format_)))
+    from_ = by_scale(names, type_, lambda linear: Formula(number=_nearest(linear, type_, format_)))
+    wide = stored(type_) if is_float else _wide(type_).name
+    check = valid if is_float or not has_constant_limits(type_) else None
+    to_fails = type_.linear.parameter is not None or bool(type_.times or type_.no_values)
+    return ConversionView(format_.name, to, from_, wide, check, to_fails=to_fails)
 
 
 def _wide(type_: Type) -> Integer:
