@@ -36,7 +36,7 @@ CLASHES = {
     "two fields": (
         "request: {level: {at: 2, type: level}}",
         "request: {default: {at: 2, type: level}, default_: {at: 4, type: level}}",
-        ["the fields `default_` and `default` would both be `default_` in C"],
+        ["the field `default_` and the field `default` would both be `default_` in C"],
     ),
     "a shared layout and a request": (
         "commands:",

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 from ..model.edition import Edition
 from ..model.golden_frames import (
-    CheckedFrame,
     Exchange,
     GoldenFrame,
     GoldenFrames,
@@ -23,7 +22,7 @@ from ..model.message import Message
 from ..model.refusal import Refusal
 from ..model.types import Assignment, Type
 from ..semantics.decoder import Decoder, Rejection, value_of
-from ..semantics.frame import code_of, has_usual_code
+from ..semantics.frame import can_frame, code_of, has_usual_code
 from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused, assignment
 
 DOUBLE_IS_EXACT = 1 << 50
@@ -114,13 +113,13 @@ class Runner:
 
     def _decode(self, frame: GoldenFrame) -> str:
         """As the message that it is expected to be."""
-        answer = self._adapter.decode(frame.direction, _can(frame), frame.parameters, frame.command)
+        answer = self._adapter.decode(frame.direction, can_frame(frame), frame.parameters, frame.command)
         return self._compare(frame, answer, self._adapter.message_of(frame.direction, frame.command))
 
     def _decode_alone(self, frame: GoldenFrame) -> str:
         """By itself it means the same, though a reply may be the message of another command that has its code."""
-        answer = self._adapter.decode(frame.direction, _can(frame), frame.parameters, None)
-        wanted = self._decoder.identify(frame.direction, _can(frame), assignment(frame.parameters))
+        answer = self._adapter.decode(frame.direction, can_frame(frame), frame.parameters, None)
+        wanted = self._decoder.identify(frame.direction, can_frame(frame), assignment(frame.parameters))
         if isinstance(wanted, Rejection):
             return f"no message of the spec: {wanted.text}"
         return self._compare(frame, answer, wanted.message)
@@ -131,8 +130,8 @@ class Runner:
         if self._adapter.message_of(frame.direction, answer.command) is not message:
             return f"decoded as {answer.command}, not as {message.name}"
         in_data = message.node_in_data
-        if self._adapter.reports_code and answer.code != code_of(message, _can(frame)):
-            return f"code {answer.code}, not {code_of(message, _can(frame))}"
+        if self._adapter.reports_code and answer.code != code_of(message, can_frame(frame)):
+            return f"code {answer.code}, not {code_of(message, can_frame(frame))}"
         node = frame.node if in_data is None else frame.raw[in_data.name]
         if answer.node != node:
             return f"node {answer.node}, not {node}"
@@ -182,14 +181,14 @@ class Runner:
     def _code(self, frame: GoldenFrame) -> int | None:
         """The code to encode; None where it need not be given."""
         message = self._adapter.message_of(frame.direction, frame.command)
-        return None if has_usual_code(message, _can(frame)) else code_of(message, _can(frame))
+        return None if has_usual_code(message, can_frame(frame)) else code_of(message, can_frame(frame))
 
     def _encoded(self, frame: GoldenFrame, answer: Encoded | Refused) -> str:
         wanted = Encoded(frame.id, frame.data, frame.extended, frame.remote)
         return "" if answer == wanted else f"{_shown(answer)}, not {_shown(wanted)}"
 
     def _refused_frame(self, entry: RefusedFrame) -> str:
-        answer = self._adapter.decode(entry.decode, _can(entry), entry.parameters, None)
+        answer = self._adapter.decode(entry.decode, can_frame(entry), entry.parameters, None)
         return (
             ""
             if isinstance(answer, Refused) and answer.says is entry.says
@@ -210,7 +209,7 @@ class Runner:
         return ""
 
     def _exchange(self, entry: Exchange) -> str:
-        answer = self._adapter.answers(_can(entry.request), _can(entry.reply), entry.parameters)
+        answer = self._adapter.answers(can_frame(entry.request), can_frame(entry.reply), entry.parameters)
         says = answer.says if answer else None
         return "" if says is entry.says else f"{_reason(says)}, not {_reason(entry.says)}"
 
@@ -228,10 +227,6 @@ def as_number(type_: Type, wanted: ExactValue, raw: int | list[int], known: Assi
     return wanted
 
 
-def _can(entry: GoldenFrame | RefusedFrame | CheckedFrame) -> CanFrame:
-    return CanFrame(entry.id, entry.data, entry.extended, entry.remote)
-
-
 def _beyond_double(frame: GoldenFrame) -> bool:
     """Whether a double cannot tell the value of some field from that of the next raw integer."""
     raws = [r for raw in frame.raw.values() for r in (raw if isinstance(raw, list) else [raw])]
@@ -241,9 +236,9 @@ def _beyond_double(frame: GoldenFrame) -> bool:
 def _named(entry: Sourced | None) -> str:
     if isinstance(entry, GoldenFrame):
         given = f" {_shown(entry.parameters)}" if entry.parameters else ""
-        return f"{entry.direction.value} {entry.command} {_shown(_can(entry))}{given}"
+        return f"{entry.direction.value} {entry.command} {_shown(can_frame(entry))}{given}"
     if isinstance(entry, RefusedFrame):
-        return f"{entry.decode.value} {_shown(_can(entry))}"
+        return f"{entry.decode.value} {_shown(can_frame(entry))}"
     if isinstance(entry, RefusedValues):
         shown = _shown(entry.values or entry.raw)
         return f"{entry.encode.value} {entry.command} node {entry.node} {shown} {_shown(entry.parameters)}"

@@ -228,6 +228,11 @@ class Variant:
     values: tuple[str, ...]
     fields: tuple[Field, ...]
 
+    @cached_property
+    def given(self) -> tuple[Field, ...]:
+        """The fields that messages have as values."""
+        return tuple(field for field in self.fields if field.is_given)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Layout:
@@ -246,6 +251,11 @@ class Layout:
     about: Text
     manual: str
     path: DocumentPath
+
+    @cached_property
+    def given(self) -> tuple[Field, ...]:
+        """The fields that messages have as values."""
+        return tuple(field for field in self.fields if field.is_given)
 
     def variant(self, assignment: Assignment) -> Variant | None:
         """The variant under `assignment`; None if the layout's parameter is not assigned."""

@@ -12,7 +12,7 @@ from ..model.formatting import english
 from ..model.joined import JoinedText
 from ..model.layout import Layout
 from ..model.message import Message
-from ..targets.columns.view import free_name, tables_of, varying
+from ..targets.columns.view import free_name, tables_of
 from .exports import bus_name
 from .log_frame import LogError
 from .packages import require
@@ -121,7 +121,7 @@ def _identifier(bus: str) -> str:
 
 
 def _columns(layout: Layout) -> Iterable[Column]:
-    return (column for field in varying(layout) for column in columns(field))
+    return (column for field in layout.given for column in columns(field))
 
 
 def properties_of(layout: Layout) -> Mapping[str, str]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..diagnostics.diagnostic import DocumentPath
-from ..model.golden_frames import CheckedFrame, Exchange
+from ..model.golden_frames import Exchange
 from ..model.refusal import Refusal
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.exchange import check_reply
-from ..semantics.frame import CanFrame
+from ..semantics.frame import can_frame
 from .golden_entries import EntryProblem, entry_findings, named
 from .rule import CheckInput, Findings
 
@@ -23,7 +23,7 @@ def check(subject: CheckInput) -> Findings:
 
 
 def _exchange(decoder: Decoder, entry: Exchange) -> Iterator[EntryProblem]:
-    answer = check_reply(decoder, _frame(entry.request), _frame(entry.reply), entry.parameters)
+    answer = check_reply(decoder, can_frame(entry.request), can_frame(entry.reply), entry.parameters)
     says = answer.reason if isinstance(answer, Rejection) else None
     if says is entry.says:
         return
@@ -35,7 +35,3 @@ def _exchange(decoder: Decoder, entry: Exchange) -> Iterator[EntryProblem]:
     else:
         text = f"according to the spec, this is the reply: {named(answer.message, answer.node)}"
         yield at, text, "remove `says`, or check the spec"
-
-
-def _frame(frame: CheckedFrame) -> CanFrame:
-    return CanFrame(frame.id, frame.data, frame.extended, frame.remote)

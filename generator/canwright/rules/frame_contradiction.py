@@ -16,7 +16,7 @@ from ..model.refusal import Refusal
 from ..model.types import Assignment, Order, Type
 from ..semantics.decoder import Decoder, Identified, Rejection, Value, field_value, rejects_checked
 from ..semantics.encoder import SPECIAL, Encoder, Encoders
-from ..semantics.frame import CanFrame, Raw, code_of, difference, node_in_id, raws, sent_id
+from ..semantics.frame import CanFrame, Raw, can_frame, code_of, difference, node_in_id, raws, sent_id
 from .golden_entries import KEY, EntryProblem, entry_findings, named, unknown_name
 from .rule import CheckInput, Findings, RelatedItem
 
@@ -44,7 +44,7 @@ class _FrameChecker:
         message = self._messages[direction].get(frame.command)
         if message is None:
             return [self._unknown(frame.command, direction)]
-        can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
+        can = can_frame(frame)
         encoder = self._encoders.for_parameters(frame.parameters)
         assignment = encoder.assignment
         alone = self._decoder.identify(direction, can, assignment)

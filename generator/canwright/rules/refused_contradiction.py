@@ -14,7 +14,7 @@ from ..model.message import Direction, Message
 from ..model.refusal import Refusal
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.encoder import SPECIAL, Encoder, Encoders
-from ..semantics.frame import CanFrame
+from ..semantics.frame import can_frame
 from .golden_entries import KEY, EntryProblem, described, entry_findings, named, unknown_name
 from .rule import CheckInput, Findings
 
@@ -39,7 +39,7 @@ class _RejectionChecker:
         return self._frame(entry, encoder) if isinstance(entry, RefusedFrame) else self._values(entry, encoder)
 
     def _frame(self, entry: RefusedFrame, encoder: Encoder) -> Iterator[EntryProblem]:
-        frame = CanFrame(entry.id, entry.data, entry.extended, entry.remote)
+        frame = can_frame(entry)
         outcome = self._decoder.decode(entry.decode, frame, encoder.assignment)
         if isinstance(outcome, Rejection):
             yield from _other_reason(entry.says, outcome)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ..model import formatting
+from ..model.golden_frames import CheckedFrame
 from ..model.layout import ConstantRole, Field, ParameterRole, Segment, Space, Variant
 from ..model.message import BitRun, IdRule, Message
 from ..model.types import NO_PARAMETERS, Assignment, Encoding, Type, number_of
@@ -25,6 +26,11 @@ class CanFrame(NamedTuple):
     data: bytes
     extended: bool = False
     remote: bool = False
+
+
+def can_frame(frame: CheckedFrame) -> CanFrame:
+    """The frame of a golden frame or of another entry beside it."""
+    return CanFrame(frame.id, frame.data, frame.extended, frame.remote)
 
 
 def read_bits(bits: BitRun, frame: CanFrame) -> int:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from .. import __version__
@@ -104,6 +105,22 @@ class NameProblem(NamedTuple):
     severity: Severity = Severity.ERROR
     other: tuple[DocumentPath, str] | None = None
     """The path of another item with that name, and what it is."""
+
+
+Named = tuple[str, str, DocumentPath]
+"""A name in a language, the item that has it, and the path of the item."""
+
+
+def clashes(
+    names: Iterable[Named], language: str, taken: Mapping[str, str] = MappingProxyType({})
+) -> Iterator[NameProblem]:
+    """The names of two items, or of an item and what is `taken` everywhere."""
+    owners: dict[str, tuple[str, DocumentPath]] = {name: (what, ()) for name, what in taken.items()}
+    for name, what, path in names:
+        owner, at = owners.setdefault(name, (what, path))
+        if owner != what:
+            text = f"{what} and {owner} would both be `{name}` in {language}"
+            yield NameProblem(path, text, "rename one of them", other=(at, owner) if at else None)
 
 
 class Target(ABC):

@@ -17,7 +17,7 @@ from ..model.types import Assignment, Type
 from ..semantics.decoder import Decoder, Rejection
 from ..semantics.encoder import Encoder
 from ..semantics.exchange import check_reply
-from ..semantics.frame import CanFrame, has_usual_code
+from ..semantics.frame import can_frame, has_usual_code
 from ..semantics.valid_raws import RawInterval, valid_raws
 from .base import EditionInput, WorkedExchange
 
@@ -27,8 +27,7 @@ MAX_TRIED = 12
 
 def is_usual(message: Message | None, frame: GoldenFrame) -> bool:
     """Whether an encoder writes a frame of a message without an explicit code."""
-    can = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
-    return message is not None and not frame.decode_only and has_usual_code(message, can)
+    return message is not None and not frame.decode_only and has_usual_code(message, can_frame(frame))
 
 
 class CommandExamples(NamedTuple):
@@ -117,7 +116,7 @@ class Examples:
 
     def _answers(self, request: GoldenFrame, reply: GoldenFrame) -> bool:
         """Whether a reply answers a request, under parameters that agree."""
-        sent, answer = (CanFrame(frame.id, frame.data, frame.extended, frame.remote) for frame in (request, reply))
+        sent, answer = can_frame(request), can_frame(reply)
         known = {**request.parameters, **reply.parameters}
         return _agree(request, reply) and not isinstance(check_reply(self._decoder, sent, answer, known), Rejection)
 
@@ -125,8 +124,7 @@ class Examples:
         variant = message.layout.variant(self.usual_parameters) if message else None
         if message is None or variant is None:
             return None
-        fields = (field for field in variant.fields if field.is_given)
-        raws: dict[str, RawValue] = {f.name: _simplest_raw(f, node, self.usual_parameters) for f in fields}
+        raws: dict[str, RawValue] = {f.name: _simplest_raw(f, node, self.usual_parameters) for f in variant.given}
         node_of_id = None if message.id.nodes is None else node
         frame = Encoder(self.usual_parameters).encode_raws(message, node_of_id, raws)
         if isinstance(frame, Rejection):

@@ -29,6 +29,7 @@ from ..model.layout import (
 from ..model.message import BitRun, Direction, IdRule, Message
 from ..model.types import ByParameter, Linear, Type
 from ..semantics import dispatch
+from ..semantics.checksum import ChecksumPlan
 from ..semantics.exchange import ExchangePlan, exchange_plans
 from ..semantics.plan import AcceptedKey, message_plan, only_by_request
 from .nested_source import Table, Value
@@ -190,6 +191,19 @@ def _subject(subject: dispatch.Discriminator) -> Value:
     if isinstance(subject, dispatch.MaskedId):
         return {"mask": subject.mask}
     return run_table(subject)
+
+
+def checksum_table(plan: ChecksumPlan) -> dict[str, Value]:
+    """How a checksum is computed, as the plan has it."""
+    return {
+        "arithmetic": plan.arithmetic.value,
+        "width": plan.width,
+        "poly": plan.poly or None,
+        "init": plan.init or None,
+        "reflected": plan.is_reflected or None,
+        "shift": plan.shift or None,
+        "xor": plan.xor_out or None,
+    }
 
 
 def run_table(bits: BitRun | None) -> Value:

@@ -58,7 +58,8 @@ def cxx_harness(edition: Edition) -> str:
         messages=[message.name for message in edition.all_messages()],
         commands=[message.command for message in edition.all_messages()],
         command_names=["", *(command.name for command in edition.commands)],
-        numbers={member(p.name): [0, *enumerator_numbers(p).values()] for p in edition.parameters},
+        numbers={p.name: [0, *enumerator_numbers(p).values()] for p in edition.parameters},
+        members={p.name: member(p.name) for p in edition.parameters},
         tags=view.fields,
         codes=[edition.command(message.command).code for message in edition.all_messages()],
         structs=[

@@ -96,11 +96,6 @@ def parameter_literal(names: Names, parameter: Parameter, value: str | Fraction 
     return f"{{{number.numerator}, {0 if value is None else number.denominator}u}}"
 
 
-def parameter_kind(names: Names, parameter: Parameter) -> str:
-    """The C type of a parameter."""
-    return names.lower(parameter.name, "t") if parameter.is_choice else "canwright_ratio_t"
-
-
 def lacks(names: Names, edition: Edition, command: Command, comparison: str = "==") -> list[str]:
     """The comparisons of a parameter with each value under which a node does not have a command."""
     return [

@@ -47,7 +47,7 @@ MISSING_PARAMETER = Formula(status="MISSING_PARAMETER")
 OUT_OF_RANGE = Formula(status="OUT_OF_RANGE")
 
 
-class ConversionView(NamedTuple):
+class ConversionView:
     """A pair of functions between the raw integer and a number of type `kind`.
 
     `to` returns a status if it can fail, else the number. `from_` returns the raw integer, of type `wide`; for floating
@@ -55,24 +55,20 @@ class ConversionView(NamedTuple):
     parameter.
     """
 
-    kind: str
-    to: Choice[Formula]
-    to_fails: bool
-    from_: Choice[Formula]
-    wide: str
-    check: Choice[Condition] | None
-
-    @property
-    def to_parameters(self) -> bool:
-        return self.to.uses_parameters
-
-    @property
-    def from_parameters(self) -> bool:
-        return self.from_.uses_parameters or (self.check is not None and self.check.uses_parameters)
-
-    @property
-    def has_shares(self) -> bool:
-        return any(formula.share for formula in self.from_.alternatives)
+    def __init__(
+        self,
+        kind: str,
+        to: Choice[Formula],
+        from_: Choice[Formula],
+        wide: str,
+        check: Choice[Condition] | None,
+        *,
+        to_fails: bool,
+    ) -> None:
+        self.kind, self.to, self.from_, self.wide, self.check, self.to_fails = kind, to, from_, wide, check, to_fails
+        self.to_parameters = to.uses_parameters
+        self.from_parameters = from_.uses_parameters or (check is not None and check.uses_parameters)
+        self.has_shares = any(formula.share for formula in from_.alternatives)
 
 
 def nearest(number: Fraction) -> int:
@@ -187,29 +183,31 @@ def _milli(
         if linear.times is None:
             return Formula(number=_to_milli(m, kind, raw, ends), out_of_range=beyond)
         dividend = m.dividend(_cast(INT64, raw, "raw"), INT64)
-        number = f"canwright_multiple64(&{ratio(linear)}, {dividend}, {m.divisor})"
-        return Formula(number=number, ratio=ratio(linear), factor=factor(linear), out_of_range=beyond)
+        return Formula(number=f"canwright_multiple64(&{ratio(linear)}, {dividend}, {m.divisor})", out_of_range=beyond)
 
     def from_(linear: Linear) -> Formula:
         m, raw = _Milli.of(linear), integer(type_)
         if linear.times is None:
             return _from_milli(m, kind, type_)
-        share = m.share_arguments(constant_limits(type_))
-        return Formula(number=f"({raw.name})steps", ratio=ratio(linear), factor=factor(linear), share=share)
+        return Formula(number=f"({raw.name})steps", share=m.share_arguments(constant_limits(type_)))
 
-    return ConversionView(
-        kind=kind.name,
-        to=by_scale(names, type_, to),
-        to_fails=fails,
-        from_=by_scale(names, type_, from_),
-        wide=integer(type_).name,
-        check=None if has_constant_limits(type_) else valid,
-    )
+    check = None if has_constant_limits(type_) else valid
+    choices = by_scale(names, type_, to), by_scale(names, type_, from_)
+    return ConversionView(kind.name, *choices, integer(type_).name, check, to_fails=fails)
 
 
-def by_scale(names: Names, type_: Type, formula: Callable[[Linear], Formula]) -> Choice[Formula]:
-    """The formula for each scale of a type."""
-    return choose(names, type_.linear, lambda linear: formula(linear) if linear else NO_SCALE, MISSING_PARAMETER)
+def by_scale(
+    names: Names, type_: Type, formula: Callable[[Linear], Formula], unknown: Formula = MISSING_PARAMETER
+) -> Choice[Formula]:
+    """The formula for each scale of a type with what multiplies the scale; `unknown` if the parameter is not given."""
+
+    def of(linear: Linear | None) -> Formula:
+        if linear is None:
+            return NO_SCALE
+        made = formula(linear)
+        return made if made == NO_SCALE else made._replace(ratio=ratio(linear), factor=factor(linear))
+
+    return choose(names, type_.linear, of, unknown)
 
 
 def ratio(linear: Linear) -> str:

@@ -10,9 +10,7 @@ from ...model.formatting import english, further_replies
 from ...model.layout import Layout
 from ...model.message import Direction, Message
 from ...model.types import Parameter, Type
-from ...semantics.plan import value_fields
 from . import messages as c
-from .choices import parameter_kind
 from .conversions import ConversionView
 from .examples import ExchangeView
 from .layouts import MemberView
@@ -50,14 +48,6 @@ class EnumView(NamedTuple):
     name_function: str = ""
     c_type: str = ""
     without_name: str = "a null pointer"
-
-
-class ParameterSetter(NamedTuple):
-    """A member of the parameters; `choice` is its enumeration, empty for a number."""
-
-    member: str
-    kind: str
-    choice: str
 
 
 class Conversion(NamedTuple):
@@ -120,17 +110,19 @@ class LayoutView(NamedTuple):
     code: MemberView | None
 
 
-class MessageView(NamedTuple):
+class MessageView:
     """A message as a type of its own; `layout` is empty without fields, `reply` without a reply, `code` without one."""
 
-    name: str
-    title: str
-    layout: str
-    code: str
-    reply: str
-    replies: str
-    """The further replies, in sentences."""
-    message: c.MessageView
+    def __init__(self, x: CxxView, edition: Edition, message: Message, view: c.MessageView) -> None:
+        command = edition.command(message.command)
+        reply = command.reply if message.direction is Direction.REQUEST else None
+        self.name, self.message = x.message_names[message.name], view
+        self.title = f"{message.direction.value} of {message.command}"
+        self.layout = x.layout_names.get(message.layout, "")
+        self.code = "" if command.code is None else x.names.upper(command.name, "code")
+        self.reply = x.message_names[reply.name] if reply else ""
+        self.replies = " ".join(f"{text[:1].upper()}{text[1:]}." for text in further_replies(command))
+        """The further replies, in sentences."""
 
 
 class AnyView(NamedTuple):
@@ -144,20 +136,19 @@ class CxxView:
     """The content of the header."""
 
     def __init__(self, edition: Edition, view: EditionView) -> None:
-        self._edition, self._view, self._names = edition, view, view.names
+        self._edition, self._view, self.names = edition, view, view.names
         messages = edition.all_messages()
         choices = [p for p in edition.parameters if p.is_choice]
         enums = [t for t in edition.types if (t.enum or t.flags) and t in view.of_type]
         stems = (*(p.name for p in choices), *map(self._stem, enums))
-        free = _distinct((*(self._names.short(m.name) for m in messages), *stems), OWN_NAMES)
-        self._message_names = {m.name: next(free) for m in messages}
+        free = _distinct((*(self.names.short(m.name) for m in messages), *stems), OWN_NAMES)
+        self.message_names = {m.name: next(free) for m in messages}
         items: list[Parameter | Type] = [*choices, *enums]
         self._enums = dict(zip(items, free, strict=True))
         self.tags = _enumerators(view.fields)
         self._tags = dict(zip((name for _, name in view.fields), self.tags, strict=True))
-        fields = {layout: list(value_fields(layout.fields).values()) for layout in layouts(edition)}
-        self._fields = {layout: own for layout, own in fields.items() if own or self._code(layout)}
-        self._layouts = dict(zip(self._fields, _distinct(layout.name for layout in self._fields), strict=True))
+        self._fields = {layout: layout.given for layout in layouts(edition) if layout.given or self._code(layout)}
+        self.layout_names = dict(zip(self._fields, _distinct(layout.name for layout in self._fields), strict=True))
         types = {f.type.name: f.type for own in self._fields.values() for f in own}.values()
         names = _distinct(map(self._stem, types), TYPE_NAMES)
         self._types = {
@@ -173,15 +164,13 @@ class CxxView:
 
         self.namespace = f"{member(edition.family)}::{edition.identifier}"
         self.enums = list(self._enumerations())
-        self.parameters = [
-            ParameterSetter(member(p.name), parameter_kind(self._names, p), self._enums.get(p, ""))
-            for p in edition.parameters
-        ]
+        self.choices = {p: self._enums[p] for p in choices}
+        """The enumeration of each parameter that is a choice."""
         self.layouts = [
-            LayoutView(name, self._names.lower(layout.name, "t"), tuple(self._layout(layout)), self._code(layout))
-            for layout, name in self._layouts.items()
+            LayoutView(name, self.names.lower(layout.name, "t"), tuple(self._layout(layout)), self._code(layout))
+            for layout, name in self.layout_names.items()
         ]
-        self.messages = [self._message(m) for m in messages]
+        self.messages = [MessageView(self, edition, m, view.message(m)) for m in messages]
         self.any = [
             AnyView(d, tuple(m for m in self.messages if m.message.direction == d.word))
             for d in view.directions
@@ -190,11 +179,11 @@ class CxxView:
         """Any message of each direction."""
 
     def _stem(self, type_: Type) -> str:
-        return self._names.type_stem(type_)
+        return self.names.type_stem(type_)
 
     def _enumerations(self) -> Iterator[EnumView]:
         """The commands, the values of parameters, and the names of raw integers."""
-        names, view = self._names, self._view
+        names, view = self.names, self._view
         commands = [(names.command(c.name), names.short(c.name)) for c in self._edition.commands]
         members = _enumerators([(names.upper("command", "none"), "none"), *commands])
         function, c_type = names.lower("command_name"), names.lower("command_t")
@@ -211,8 +200,8 @@ class CxxView:
 
     def _presence(self, name: str, key: tuple[str, ...]) -> Presence:
         parameter, *values = key
-        names = tuple(self._names.upper(parameter, value) for value in values)
-        return Presence(name, member(parameter), self._names.upper(parameter, "unknown"), names)
+        names = tuple(self.names.upper(parameter, value) for value in values)
+        return Presence(name, member(parameter), self.names.upper(parameter, "unknown"), names)
 
     def _code(self, layout: Layout) -> MemberView | None:
         """The member with the code; None if there is none."""
@@ -232,19 +221,6 @@ class CxxView:
                 self._types[field.type.name],
                 self._presences[key].name if field.only else "",
             )
-
-    def _message(self, message: Message) -> MessageView:
-        command = self._edition.command(message.command)
-        reply = command.reply if message.direction is Direction.REQUEST else None
-        return MessageView(
-            name=self._message_names[message.name],
-            title=f"{message.direction.value} of {message.command}",
-            layout=self._layouts.get(message.layout, ""),
-            code="" if command.code is None else self._names.upper(command.name, "code"),
-            reply=self._message_names[reply.name] if reply else "",
-            replies=" ".join(sentence[:1].upper() + sentence[1:] + "." for sentence in further_replies(command)),
-            message=self._view.message(message),
-        )
 
 
 class CxxExample:

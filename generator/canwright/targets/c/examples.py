@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -14,7 +14,6 @@ from ...model.layout import Field
 from ...model.message import Command, Message
 from ...model.types import Assignment
 from ...semantics.exchange import is_read
-from ...semantics.plan import value_fields
 from ..base import EditionInput, WorkedExchange
 from ..examples import Examples
 from .choices import parameter_literal
@@ -118,9 +117,9 @@ def _exchanges(view: EditionView, worked: Iterable[WorkedExchange], known: Assig
             yield ExchangeView(request.node or 0, *sides)
 
 
-def _fields(message: Message, known: Assignment) -> list[Field]:
+def _fields(message: Message, known: Assignment) -> Sequence[Field]:
     variant = message.layout.variant(known)
-    return list(value_fields(variant.fields if variant else ()).values())
+    return variant.given if variant else ()
 
 
 def _parameters(view: EditionView, edition: Edition, known: Assignment) -> list[str]:

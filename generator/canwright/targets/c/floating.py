@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice
-from .conversions import ABOVE, BELOW, ConversionView, Formula, by_scale, factor, nearest, ratio
+from .conversions import ABOVE, BELOW, ConversionView, Formula, by_scale, nearest, ratio
 from .expressions import INT64, UINT64, Integer, common, integer, joined, operand, stored
 from .names import Names
 from .validity import Condition, constant_limits, has_constant_limits
@@ -71,21 +71,12 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
     if not has_floating(type_, format_):
         return None
     is_float = type_.encoding is Encoding.FLOAT
-
-    def to(linear: Linear) -> Formula:
-        return Formula(number=_value(linear, type_, format_), ratio=ratio(linear), factor=factor(linear))
-
-    def from_(linear: Linear) -> Formula:
-        return Formula(number=_nearest(linear, type_, format_), ratio=ratio(linear), factor=factor(linear))
-
-    return ConversionView(
-        kind=format_.name,
-        to=by_scale(names, type_, to),
-        to_fails=type_.linear.parameter is not None or bool(type_.times or type_.no_values),
-        from_=by_scale(names, type_, from_),
-        wide=stored(type_) if is_float else _wide(type_).name,
-        check=valid if is_float or not has_constant_limits(type_) else None,
-    )
+    to = by_scale(names, type_, lambda linear: Formula(number=_value(linear, type_, format_)))
+    from_ = by_scale(names, type_, lambda linear: Formula(number=_nearest(linear, type_, format_)))
+    wide = stored(type_) if is_float else _wide(type_).name
+    check = valid if is_float or not has_constant_limits(type_) else None
+    to_fails = type_.linear.parameter is not None or bool(type_.times or type_.no_values)
+    return ConversionView(format_.name, to, from_, wide, check, to_fails=to_fails)
 
 
 def _wide(type_: Type) -> Integer:

@@ -103,7 +103,7 @@ class LayoutView:
         plan = message_plan(messages[0])
         shared = {byte for message in messages for byte in bits.key_bytes(message.keys)}
         facts = errata(edition, layout.path) if layout.shared else []
-        stored = [f for f in layout.fields if f.is_given]
+        stored = layout.given
         self.name = names.lower(layout.name)
         self.title = heading(layout)
         self.doc = [text for text in (english(layout.about), *facts) if text]
@@ -259,9 +259,7 @@ def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRea
 
 
 def _shows(variant: Variant, types: Types) -> Iterator[FieldShow]:
-    for field in variant.fields:
-        if not field.is_given:
-            continue
+    for field in variant.given:
         type_ = types[field.type]
         given = type_.show.formulas.uses_parameters
         if type_.joined is not None:

@@ -16,14 +16,14 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.checksum import Arithmetic
 from ...model.edition import Edition
-from ...model.layout import Field, Layout, Segment, Space
+from ...model.layout import Layout, Segment, Space
 from ...model.message import Direction, Message
 from ...model.sending import microseconds
 from ...model.types import Parameter, Type
 from ...semantics.checksum import ChecksumPlan
 from ...semantics.plan import message_plan
 from ...semantics.valid_raws import valid_raws
-from ..base import NameProblem
+from ..base import Named, NameProblem, clashes
 from .text import MacroView
 
 SHARED = ("canwright.h", "canwright_exact.h", "canwright_float.h", "canwright_print.h", "canwright_selftest.h")
@@ -199,7 +199,7 @@ def _type_stems(edition: Edition) -> Mapping[str, str]:
     a field renames the functions, so programs for the previous edition do not compile with it.
     """
     types_of: dict[str, set[str]] = {}
-    for field in (f for layout in layouts(edition) for f in layout.fields if f.is_given):
+    for field in (f for layout in layouts(edition) for f in layout.given):
         types_of.setdefault(field.name, set()).add(field.type.name)
     stems = {type_.name: type_.name for type_ in edition.types}
     for type_ in edition.types:
@@ -225,25 +225,14 @@ def layouts(edition: Edition) -> list[Layout]:
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
     """Different items of an edition that would have one name in C, and names that a compiler may take for one."""
-    owners: dict[str, tuple[str, DocumentPath]] = {}
     names = list(defined(edition))
-    for name, what, path in names:
-        owner, at = owners.setdefault(name, (what, path))
-        if owner != what:
-            text = f"{what} and {owner} would both be `{name}` in C"
-            yield NameProblem(path, text, "rename one of them", other=(at, owner) if at else None)
+    yield from clashes(names, "C")
     yield from _long_names(names)
     for layout in layouts(edition):
-        fields: dict[str, Field] = {}
-        for field in layout.fields:
-            owner_field = fields.setdefault(member(field.name), field)
-            if owner_field.name != field.name:
-                owner, name = f"`{owner_field.name}`", member(field.name)
-                text = f"the fields `{field.name}` and {owner} would both be `{name}` in C"
-                yield NameProblem(field.path, text, "rename one of them", other=(owner_field.path, owner))
+        yield from clashes(((member(f.name), f"the field `{f.name}`", f.path) for f in layout.fields), "C")
 
 
-def _long_names(names: Iterable[tuple[str, str, DocumentPath]]) -> Iterator[NameProblem]:
+def _long_names(names: Iterable[Named]) -> Iterator[NameProblem]:
     """The first name of each path that starts like another name: C compilers need not distinguish more characters."""
     owners: dict[str, str] = {}
     reported: set[DocumentPath] = set()
@@ -255,7 +244,7 @@ def _long_names(names: Iterable[tuple[str, str, DocumentPath]]) -> Iterator[Name
             yield NameProblem(path, text, "use a shorter name, or `short_name` for a command")
 
 
-def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
+def defined(edition: Edition) -> Iterator[Named]:
     """Every name with file scope, its item, and the path of the item."""
     names = Names(edition)
     for name in EDITION_NAMES:
@@ -289,7 +278,7 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
         yield from ((names.lower(message.name) + e, what, message.path) for e in MESSAGE_ENDINGS)
 
 
-def _crcs(names: Names, edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
+def _crcs(names: Names, edition: Edition) -> Iterator[Named]:
     for check in filter(None, (message_plan(message).checksum for message in edition.all_messages())):
         if check.checksum.arithmetic is Arithmetic.CRC:
             yield names.crc(check.checksum), "a CRC", check.field.path
@@ -309,7 +298,7 @@ def _layout(layout: Layout) -> str:
     return f"the shared layout `{layout.name}`" if layout.shared else f"`{'.'.join(map(str, layout.path))}`"
 
 
-def parameter_names(names: Names, parameter: Parameter) -> Iterator[tuple[str, str, DocumentPath]]:
+def parameter_names(names: Names, parameter: Parameter) -> Iterator[Named]:
     """The names of the type and of the values of a parameter, as `defined` yields them."""
     what, path = f"the parameter `{parameter.name}`", ("parameters", parameter.name)
     if parameter.is_choice:

@@ -77,15 +77,13 @@ def files(specifications: Sequence[EditionInput]) -> Iterator[Output]:
         version=PACKAGE_VERSION,
         library="_".join(family.name for family in families),
     )
-    for view, x in shown:
-        if x.exchanges:
-            yield Output(f"examples/{x.file}.c", fold(env.get_template("examples/example.c.j2").render(e=view, x=x)))
-            bus = fold(env.get_template("examples/socketcan.c.j2").render(e=view, x=x))
-            yield Output(f"examples/{x.file}_socketcan.c", bus)
-            sketch = f"examples/{x.file}_sketch"
-            text = fold(env.get_template("examples/sketch.ino.j2").render(e=view, x=x))
-            yield Output(f"{sketch}/{x.file}_sketch.ino", text)
-            yield Output(f"{sketch}/platformio.ini", env.get_template("examples/platformio.ini.j2").render(e=view, x=x))
+    for view, x in ((view, x) for view, x in shown if x.exchanges):
+        sketch = f"{x.file}_sketch"
+        programs = {"example.c": f"{x.file}.c", "socketcan.c": f"{x.file}_socketcan.c"}
+        programs |= {"sketch.ino": f"{sketch}/{sketch}.ino", "platformio.ini": f"{sketch}/platformio.ini"}
+        for name, path in programs.items():
+            text = env.get_template(f"examples/{name}.j2").render(e=view, x=x)
+            yield Output(f"examples/{path}", fold(text))
     for family in families:
         yield Output(f"share/pkgconfig/{family.name}.pc", env.get_template("package.pc.j2").render(family=family))
     e, x = shown[0]

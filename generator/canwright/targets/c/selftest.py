@@ -21,8 +21,7 @@ from ...model.layout import Field, Layout
 from ...model.message import Direction, Message
 from ...model.refusal import Refusal
 from ...semantics.decoder import Decoder, Identified
-from ...semantics.frame import CanFrame, code_of, node_of
-from ...semantics.plan import value_fields
+from ...semantics.frame import can_frame, code_of, node_of
 from ..base import EditionInput
 from .choices import parameter_literal
 from .expressions import braces, integer, raw_of
@@ -94,7 +93,7 @@ class SelfTest:
         self.parameters = list(self._known)
 
     def _frame(self, frame: GoldenFrame) -> Case:
-        message, can = self._message(frame.direction, frame.command), _can(frame)
+        message, can = self._message(frame.direction, frame.command), can_frame(frame)
         alone = self._decoder.identify(frame.direction, can, frame.parameters)
         is_unique = isinstance(alone, Identified) and alone.message is message
         text = self._row(
@@ -119,7 +118,7 @@ class SelfTest:
         for entry in self._frames.refused:
             if isinstance(entry, RefusedValues) and not entry.values and entry.says is not Refusal.NOT_AVAILABLE:
                 message = self._message(entry.encode, entry.command)
-                if all(_fits(f, entry.raw.get(f.name, 0)) for f in value_fields(message.layout.fields).values()):
+                if all(_fits(f, entry.raw.get(f.name, 0)) for f in message.layout.given):
                     text = self._row(
                         MESSAGE,
                         None,
@@ -168,10 +167,10 @@ class SelfTest:
 
     def _raw_index(self, message: Message, raws: Raws, code: int | None) -> int:
         """The index of raw integers, and of a code, in the table of the layout; 0 without members."""
-        fields, member = value_fields(message.layout.fields), self._view.message(message).layout.code
+        fields, member = message.layout.given, self._view.message(message).layout.code
         if not fields and member is None:
             return 0
-        texts = [initializer(f, literals(f, raws.get(name, 0)).values()) for name, f in fields.items()]
+        texts = [initializer(f, literals(f, raws.get(f.name, 0)).values()) for f in fields]
         texts += [member.stored(message, code)] if member else []
         return _index(self._raws.setdefault(message.layout, {}), braces(*texts))
 
@@ -182,8 +181,7 @@ class SelfTest:
 
     def _layout(self, layout: Layout, entries: Iterable[str]) -> LayoutTable:
         view = self._view.message(self._edition.of_layout(layout)[0]).layout
-        fields = value_fields(layout.fields).values()
-        raws = [raw_of(field.type, number) for field in fields for number in numbers(field)]
+        raws = [raw_of(field.type, number) for field in layout.given for number in numbers(field)]
         raws += [FRAME_CODE] if view.code else []
         return LayoutTable(view, _table(layout), [f"one->{raw} == other->{raw}" for raw in raws], entries)
 
@@ -202,7 +200,3 @@ def _fits(field: Field, raw: RawValue) -> bool:
     if isinstance(raw, list) and len(raw) != len(field.elements):
         return False
     return integer(field.type).holds(*(raw if isinstance(raw, list) else [raw]))
-
-
-def _can(frame: GoldenFrame) -> CanFrame:
-    return CanFrame(frame.id, frame.data, frame.extended, frame.remote)

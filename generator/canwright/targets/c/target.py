@@ -52,7 +52,8 @@ class CTarget(Target):
 
     def exported_names(self, edition: Edition) -> Iterator[Exported]:
         """The name of a declaration before those of its functions; `…_` stands for the prefix of family and edition."""
-        prefixes = edition_view(edition).prefix, edition_view(edition).PREFIX
+        view = edition_view(edition)
+        prefixes = view.prefix, view.PREFIX
         for path, name in _exported(edition):
             yield path, f"…_{name[len(prefixes[0]) :]}" if name.startswith(prefixes) else name
 
@@ -81,15 +82,15 @@ class CTarget(Target):
 
 def _exported(edition: Edition) -> Iterator[Exported]:
     """The members of structs, and the names in the header that are no part of other functions."""
-    printed = declared(edition)
+    printed, view = declared(edition), edition_view(edition)
     yield from ((("parameters", parameter.name), f".{member(parameter.name)}") for parameter in edition.parameters)
-    yield from ((f.path, member(f.name)) for layout in layouts(edition) for f in layout.fields if f.is_given)
+    yield from ((f.path, member(f.name)) for layout in layouts(edition) for f in layout.given)
     for name, _, path in names.defined(edition):
         if path and name in printed and not name.endswith(names.PARTS_OF_FUNCTIONS):
             yield path, name
     for message in edition.all_messages():
-        if edition_view(edition).message(message).layout.has_values:
-            yield message.path, f".{edition_view(edition).message(message).member}"
+        if view.message(message).layout.has_values:
+            yield message.path, f".{view.message(message).member}"
 
 
 def _headers(edition: Edition) -> Iterator[NameProblem]:

@@ -9,8 +9,8 @@ from ...model.edition import Edition
 from ...model.formatting import english
 from ...model.joined import JoinedText
 from ...model.types import Encoding, Linear, NoValue, Type
-from .choices import Choice, choose
-from .conversions import ConversionView, Formula, factor, milli, ratio
+from .choices import Choice
+from .conversions import NO_SCALE, ConversionView, Formula, by_scale, milli
 from .expressions import INT64, Integer, integer, raw_of, stored
 from .floating import DOUBLE, SINGLE, floating, has_floating, initializer, is_wide, raw_kind
 from .names import FIRST, SCALE_MACROS, Names
@@ -39,23 +39,16 @@ def show(names: Names, type_: Type) -> ShowView:
     item = raw_of(type_, "raw")
     plain = f"canwright_print_{kind if kind == 'signed' else 'unsigned'}(printer, {item});"
 
-    def formula(linear: Linear | None) -> Formula:
-        if linear is None:
-            return RAW
+    def formula(linear: Linear) -> Formula:
         if linear.is_identity and type_.encoding is not Encoding.FLOAT:
             return Formula(number=plain)
         numbers = initializer(linear, type_)
-        if not numbers:
-            return RAW
         call = f"canwright_print_value_{kind}(printer, {item}, &linear, {decimals(type_, linear)}u);"
-        return Formula(number=call, linear=numbers, ratio=ratio(linear), factor=factor(linear))
+        return Formula(number=call, linear=numbers) if numbers else NO_SCALE
 
-    formulas = choose(names, type_.linear, formula, RAW)
+    formulas = by_scale(names, type_, formula, NO_SCALE)
     has_value = any(not formula_.status for formula_ in formulas.alternatives)
     return ShowView(formulas, plain, literal(f" {type_.unit.dbc}") if type_.unit and has_value else "")
-
-
-RAW = Formula(status="NO_SCALE")
 
 
 def decimals(type_: Type, linear: Linear) -> int:

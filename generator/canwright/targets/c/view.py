@@ -11,7 +11,7 @@ from functools import cached_property, lru_cache
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.formatting import english
-from ...model.message import Command, Direction, Message, OtherReply
+from ...model.message import Command, Direction, OtherReply
 from ...model.metadata import Level
 from ...semantics.dispatch import dispatch_plan
 from ...semantics.exchange import exchange_plans
@@ -108,14 +108,13 @@ class EditionView:
         self.doc = _edition_doc(edition)
         self.facts = list(_facts(names, edition))
         self.parameters = edition.parameters
-        fields = [field for layout in used for field in layout.fields]
-        self.of_type = {
-            type_: TypeView(names, edition, type_) for type_ in edition.types if type_ in {f.type for f in fields}
-        }
+        types = {field.type for layout in used for field in layout.fields}
+        self.of_type = {type_: TypeView(names, edition, type_) for type_ in edition.types if type_ in types}
         """The types that fields use, in spec order."""
         self.types = list(self.of_type.values())
         self.fields = [
-            (names.upper("field", name), name) for name in dict.fromkeys(f.name for f in fields if f.is_given)
+            (names.upper("field", name), name)
+            for name in dict.fromkeys(f.name for layout in used for f in layout.given)
         ]
         """The enumerator of each field, with its name."""
         self.has_joined = any(view.joined for view in self.types)
@@ -123,7 +122,8 @@ class EditionView:
         self.layouts = [views[layout] for layout in used if layout.shared]
         crcs = (view.checksum.crc for view in views.values() if view.checksum)
         self.crcs = list({crc.name: crc for crc in crcs if crc}.values())
-        self._messages = messages = Messages(names, edition, views)
+        messages = Messages(names, edition, views)
+        self.message = messages.message
         self.fd = messages.fd
         self.frame = f"canwright_{self.fd}frame_t"
         self.frame_header = "canwright_fd.h" if self.fd else "canwright.h"
@@ -155,27 +155,12 @@ class EditionView:
         replies = (plan.reply for plans in exchange_plans(edition).values() for plan in plans)
         self.answers_use_from = any(reply.id.nodes is not None for reply in replies)
         """Whether the conditions of answers read the node that replies."""
-
-    def message(self, message: Message) -> MessageView:
-        return self._messages.message(message)
-
-    @property
-    def check_reply_parameters(self) -> bool:
+        self.check_reply_parameters = any(direction.identify_parameters for direction in self.directions)
         """Whether the check of a reply needs the parameters: ids of messages with a reply contain them."""
-        return any(d.identify_parameters for d in self.directions)
-
-    @property
-    def parameters_argument(self) -> str:
-        return f"const {self.prefix}parameters_t *parameters"
-
-    @property
-    def printed(self) -> list[LayoutView]:
+        self.printed = list(dict.fromkeys(x for d in self.directions for x in d.contents if x.has_values))
         """The layouts that messages print."""
-        return list(dict.fromkeys(x for d in self.directions for x in d.contents if x.has_values))
-
-    @property
-    def has_reply_time(self) -> bool:
-        return any(fact.name == f"{self.PREFIX}REPLY_WITHIN_US" for fact in self.facts)
+        self.parameters_argument = f"const {self.prefix}parameters_t *parameters"
+        self.has_reply_time = edition.bus.reply_within_ms is not None
 
 
 @lru_cache(maxsize=4)

@@ -40,7 +40,7 @@ class Columns(NamedTuple):
 def columns_of(layout: Layout, frame_columns: Iterable[str] = FRAME_COLUMNS) -> Mapping[Field, Columns]:
     """The columns of each field. A name that is taken has `_` appended: those of the frame come first, then values."""
     taken = set(frame_columns)
-    fields = varying(layout)
+    fields = layout.given
     values = [free_name(field.name, taken) for field in fields]
     raws = [free_name(f"{field.name}_raw", taken) for field in fields]
     return {field: Columns(*names) for field, *names in zip(fields, values, raws, strict=True)}
@@ -184,11 +184,6 @@ def _scale(linear: Linear | None) -> str:
         return "None"
     times = f", {literal(linear.times)}" if linear.times else ""
     return f"Scale({', '.join(map(str, linear.as_quotient))}{times})"
-
-
-def varying(layout: Layout) -> Sequence[Field]:
-    """The fields that have columns."""
-    return [field for field in layout.fields if field.is_given]
 
 
 def fraction(number: Fraction | None) -> str:

@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 
 from ...model import formatting
 from ...model.edition import Edition
+from ...model.golden_frames import GoldenFrame
 from ...model.message import Direction
 from ...model.types import Text
 from ...semantics.bus_load import message_bits
 from ...semantics.decoder import Decoder, Rejection
-from ...semantics.frame import CanFrame
+from ...semantics.frame import can_frame
 from ...templating.markup import code, markdown, script_text
 from .common import Common, Program, Sheet
 from .links import COMMANDS
@@ -76,9 +77,8 @@ def telling_frames(listed: Sequence[tuple[str, Common]]) -> Iterator[Telling]:
                 break
 
 
-def _is_rejected(decoder: Decoder, frame: Any) -> bool:
-    sent = CanFrame(frame.id, frame.data, frame.extended, frame.remote)
-    return all(isinstance(decoder.decode(way, sent, frame.parameters), Rejection) for way in Direction)
+def _is_rejected(decoder: Decoder, frame: GoldenFrame) -> bool:
+    return all(isinstance(decoder.decode(way, can_frame(frame), frame.parameters), Rejection) for way in Direction)
 
 
 class Length(NamedTuple):

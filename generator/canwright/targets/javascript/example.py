@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
 from ...model import formatting
@@ -17,34 +16,24 @@ from . import text
 from .package import import_name
 
 
-@dataclass(frozen=True, kw_only=True)
 class Example:
     """A request and a frame that answers it, as JavaScript."""
 
-    module: str
-    command: str
-    content: str
-    parameters: str
-    reply: str
-    field: str
-    """A field of the reply, as a property."""
+    def __init__(self, editions: Sequence[Edition], edition: Edition, exchange: WorkedExchange) -> None:
+        request, reply = exchange.request, exchange.reply
+        assert request and reply
+        parameters = {name: _written(edition.parameter(name), value) for name, value in exchange.parameters.items()}
+        self.module, self.command = import_name(edition, editions), text.quoted(exchange.command.name)
+        self.content, self.reply = text.printed(_content(request)), text.printed(_frame(reply))
+        self.parameters = text.printed(parameters)
+        self.field = text.key(next(iter(reply.values)))
+        """A field of the reply, as a property."""
 
 
 def example(specifications: Sequence[EditionInput]) -> Example | None:
     """A command with values."""
     shown = readme_exchange(specifications, _is_usable)
-    if shown is None or shown[1].request is None or shown[1].reply is None:
-        return None
-    edition, exchange = shown
-    parameters = {name: _written(edition.parameter(name), value) for name, value in exchange.parameters.items()}
-    return Example(
-        module=import_name(edition, [item.edition for item in specifications]),
-        command=text.quoted(exchange.command.name),
-        content=text.printed(_content(shown[1].request)),
-        parameters=text.printed(parameters),
-        reply=text.printed(_frame(shown[1].reply)),
-        field=text.key(next(iter(shown[1].reply.values))),
-    )
+    return Example([item.edition for item in specifications], *shown) if shown else None
 
 
 def _is_usable(edition: Edition, exchange: WorkedExchange) -> bool:

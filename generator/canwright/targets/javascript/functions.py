@@ -39,7 +39,7 @@ from ...semantics.plan import (
     message_plan,
 )
 from ..nested_source import Code, Value
-from ..tables import Positions
+from ..tables import Positions, checksum_table
 from . import bits, text
 
 PARTS = "{ id, data: d }"
@@ -203,17 +203,7 @@ class Functions:
 
     def _checksum(self, plan: ChecksumPlan, length: int) -> str:
         """The expression of the checksum of a frame."""
-        definition = text.printed(
-            {
-                "arithmetic": plan.arithmetic.value,
-                "width": plan.width,
-                "poly": plan.poly or None,
-                "init": plan.init or None,
-                "reflected": plan.is_reflected or None,
-                "shift": plan.shift or None,
-                "xor": plan.xor_out or None,
-            }
-        )
+        definition = text.printed(checksum_table(plan))
         name = self.checksums.setdefault(definition, f"CHECKSUM_{len(self.checksums) + 1}")
         inputs = (
             str(part) if isinstance(part, int) else bits.read(part.space, part.segments, 8, length)

@@ -102,7 +102,7 @@ class JavaScriptTarget(Target):
             yield at, parameter.name
             yield from (((*at, "values", value.name), f'"{value.name}"') for value in parameter.values)
         for message in edition.all_messages():
-            for field in (field for field in message.layout.fields if field.is_given):
+            for field in message.layout.given:
                 yield field.path, field.name
                 for key, members in field.type.members_by_key.items():
                     yield from (((*field.type.path, key, member.name), f'"{member.name}"') for member in members)

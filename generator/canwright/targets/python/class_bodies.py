@@ -3,30 +3,33 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeGuard
 
 from ...model.exhaustive import assert_never
 from ...model.joined import JoinedText
-from ...model.layout import (
-    ChecksumRole,
-    Field,
-    FixedRole,
-    GivenRole,
-    Layout,
-    ParameterRole,
-    Variant,
-)
+from ...model.layout import Field, Layout, Variant
 from ...model.message import Message
 from ...model.types import Parameter
 from ...semantics.plan import (
+    CheckAvailable,
     CheckChecksum,
+    CheckCode,
     CheckConstant,
+    CheckField,
+    CheckMeaning,
+    CheckNode,
     CheckParameter,
     ChooseFields,
     DecodingStep,
+    NeedParameter,
     ReadField,
+    WriteChecksum,
+    WriteCode,
+    WriteField,
+    WriteFixed,
+    WriteParameter,
     message_plan,
 )
 from . import bits, code, docstrings, text, types
@@ -34,86 +37,56 @@ from .checksums import Checksums
 from .imports import Imports
 
 
-@dataclass(frozen=True, kw_only=True)
 class FieldView:
-    """A field that a user sets and reads."""
+    """A field that a user sets and reads.
 
-    attribute: str
-    place: int
-    """Its position among the raw integers of the message."""
-    only: str
-    """The set of parameter values under which it exists; empty for a field that always exists."""
-    header: code.Code
-    """The first line of the property of its value."""
-    raw_python: str
-    """The type of its raw integer, or integers."""
-    given: str
-    """The type of its keyword."""
-    value: tuple[code.Code, ...]
-    """The statements that return the value; of `raw` for an optional field."""
-    to_raw: code.Code
-    """Expression of the raw integer, of the keyword."""
-    type: code.Code
-    """The item of `TYPES`."""
-    doc: docstrings.Docstring
+    `place` is its position among the raw integers of the message; `only` is the set of parameter values under which it
+    exists, empty for a field that always exists.
+    """
 
-
-def varying(fields: Iterable[Field]) -> list[Field]:
-    """The fields that a message stores: those whose value is not fixed."""
-    return [field for field in fields if field.is_given]
-
-
-def field_view(
-    field: Field,
-    place: int,
-    only: str,
-    type_: types.TypeView,
-    manual_of_layout: str,
-    nodes: Sequence[int],
-    imports: Imports,
-) -> FieldView:
-    """A field whose value is not fixed; `type_` is the view of its type, `nodes` are those of the elements of arrays."""
-    attribute, use = text.attribute(field.name), imports.use
-    name = text.literal(attribute)
-    raw = "raw" if only else f"self._raws[{place}]"
-    python, raw_python, given = type_.python, "int", f"{type_.enum} | int" if type_.enum else use("Real")
-    given += " | str" if field.type.is_number and field.type.members else ""
-    given += " | None" if field.type.no_values else ""
-    type_item = f"{name}: {type_.constant}"
-    value: tuple[code.Code, ...]
-    if field.type.joined is not None:
-        joined = field.type.joined
-        of_all = code.call(f"value: {python} = self.TYPES[{name}].value", (raw, "self._parameters", name))
-        value = of_all, "return value"
-        is_text = isinstance(joined, JoinedText)
-        arguments = [type_.constant, str(joined.count)]
-        if isinstance(joined, JoinedText):
-            arguments += [text.literal(joined.codec), str(joined.padding)]
-        type_item = f"{name}: {use('TextType' if is_text else 'DigitsType')}({', '.join(arguments)})"
-        raw_python, given = "tuple[int, ...]", "str" if is_text else given
-    elif field.is_array:
-        inline = types.inline_value(field.type, "one") if not type_.enum else None
-        of_one = inline or code.call(f"{type_.constant}.value", ("one", "self._parameters", name))
-        value = (code.Parts("return tuple", (of_one, f"for one in {raw}")),)
-        type_item = f"{name}: {use('ArrayType')}({type_.constant}, {len(field.elements)})"
-        python, raw_python, given = f"tuple[{python}, ...]", "tuple[int, ...]", f"{use('Iterable')}[{given}]"
-    else:
-        inline = types.inline_value(field.type, raw) if not type_.enum else None
-        of_raw = code.call(f"return {type_.constant}.value", (raw, "self._parameters", name))
-        value = (f"return {inline}" if inline else of_raw,)
-    of_type = f"self.TYPES[{name}]" if field.is_array else type_.constant
-    return FieldView(
-        attribute=attribute,
-        place=place,
-        only=only,
-        header=code.Items(f"def {attribute}(", ("self",), f") -> {python}:"),
-        raw_python=raw_python,
-        given=given,
-        value=value,
-        to_raw=code.call(f"{of_type}.raw", (attribute, "self._parameters", name)),
-        type=type_item,
-        doc=docstrings.of_field(field, type_.meaning, manual_of_layout, nodes),
-    )
+    def __init__(
+        self, bodies: ClassBodies, layout: Layout, field: Field, place: int, only: str, nodes: Sequence[int]
+    ) -> None:
+        attribute, use, type_ = text.attribute(field.name), bodies.imports.use, bodies.types[field.type.name]
+        name = text.literal(attribute)
+        raw = "raw" if only else f"self._raws[{place}]"
+        python, given = type_.python, f"{type_.enum} | int" if type_.enum else use("Real")
+        given += " | str" if field.type.is_number and field.type.members else ""
+        given += " | None" if field.type.no_values else ""
+        self.attribute, self.place, self.only = attribute, place, only
+        self.raw_python = "tuple[int, ...]" if field.is_array or field.type.joined is not None else "int"
+        """The type of its raw integer, or integers."""
+        self.type: code.Code = f"{name}: {type_.constant}"
+        """The item of `TYPES`."""
+        self.value: Sequence[code.Code]
+        """The statements that return the value; of `raw` for an optional field."""
+        if field.type.joined is not None:
+            joined = field.type.joined
+            of_all = code.call(f"value: {python} = self.TYPES[{name}].value", (raw, "self._parameters", name))
+            self.value = of_all, "return value"
+            kind, arguments = "DigitsType", [type_.constant, str(joined.count)]
+            if isinstance(joined, JoinedText):
+                kind, given = "TextType", "str"
+                arguments += [text.literal(joined.codec), str(joined.padding)]
+            self.type = f"{name}: {use(kind)}({', '.join(arguments)})"
+        elif field.is_array:
+            inline = types.inline_value(field.type, "one") if not type_.enum else None
+            of_one = inline or code.call(f"{type_.constant}.value", ("one", "self._parameters", name))
+            self.value = [code.Parts("return tuple", (of_one, f"for one in {raw}"))]
+            self.type = f"{name}: {use('ArrayType')}({type_.constant}, {len(field.elements)})"
+            python, given = f"tuple[{python}, ...]", f"{use('Iterable')}[{given}]"
+        else:
+            inline = types.inline_value(field.type, raw) if not type_.enum else None
+            of_raw = code.call(f"return {type_.constant}.value", (raw, "self._parameters", name))
+            self.value = [f"return {inline}" if inline else of_raw]
+        of_type = f"self.TYPES[{name}]" if field.is_array else type_.constant
+        self.given = given
+        """The type of its keyword."""
+        self.header = code.Items(f"def {attribute}(", ("self",), f") -> {python}:")
+        """The first line of the property of its value."""
+        self.to_raw = code.call(f"{of_type}.raw", (attribute, "self._parameters", name))
+        """Expression of the raw integer, of the keyword."""
+        self.doc = docstrings.of_field(field, type_.meaning, layout.manual, nodes)
 
 
 def whole(field: Field, parameter: str, parameters: str, imports: Imports) -> str:
@@ -125,38 +98,42 @@ def whole(field: Field, parameter: str, parameters: str, imports: Imports) -> st
 def storage(layout: Layout) -> dict[Field, int]:
     """The place of each field among the raw integers of a message; fields that never exist together share places."""
     places: dict[Field, int] = {}
-    for field in varying(layout.fields):
+    for field in layout.given:
         beside = (neighbour for variant in layout.variants if field in variant.fields for neighbour in variant.fields)
         places[field] = 1 + max((places[neighbour] for neighbour in beside if neighbour in places), default=-1)
     return places
 
 
 def positions(
-    fields: Iterable[Field], stored: Mapping[Field, int], imports: Imports
+    message: Message, fields: Container[Field], stored: Mapping[Field, int], imports: Imports
 ) -> list[tuple[Field, bits.RawPosition]]:
     """Where each element of the fields except the checksum is on the wire.
 
     Its target is its raw integer, at the place where it is `stored`, or that of a fixed field.
     """
-    listed = []
-    for field in fields:
-        role = field.role
-        for i, element in enumerate(field.elements):
-            match role:
-                case FixedRole():
-                    target = f"0x{role.raw & (1 << field.type.width) - 1:X}"
-                    listed.append((field, bits.place(target, field, element)._replace(signed=False)))
-                case ParameterRole():
-                    target = whole(field, role.parameter, "self._parameters", imports)
-                    listed.append((field, bits.place(target, field, element)._replace(signed=False)))
-                case GivenRole():
+    listed: list[tuple[Field, bits.RawPosition]] = []
+    for step in message_plan(message).encoding:
+        match step:
+            case WriteFixed(space=space, segments=segments, raw=raw, field=field):
+                if field is not None and field in fields:
+                    order, width = field.type.order, field.type.width
+                    target = f"0x{raw & (1 << width) - 1:X}"
+                    listed.append((field, bits.RawPosition(target, space, order, False, width, segments)))
+            case WriteParameter(field=field, parameter=parameter):
+                if field in fields:
+                    target = whole(field, parameter, "self._parameters", imports)
+                    listed.append((field, bits.place(target, field, field.elements[0])._replace(signed=False)))
+            case WriteField(field=field):
+                for i, element in enumerate(field.elements if field in fields else ()):
                     target = f"self._raws[{stored[field]}]" + (f"[{i}]" if field.is_array else "")
                     listed.append((field, bits.place(target, field, element)))
-                case ChecksumRole():
-                    pass
-                case _:
-                    assert_never(role)
-    return listed
+            case CheckAvailable() | CheckCode() | CheckNode() | NeedParameter() | ChooseFields() | CheckField():
+                pass  # the constructor, and the types of its arguments
+            case WriteCode() | WriteChecksum() | CheckMeaning():
+                pass  # of the whole message
+            case _:
+                assert_never(step)
+    return sorted(listed, key=lambda item: message.layout.fields.index(item[0]))
 
 
 def _is_of_variant(step: DecodingStep) -> TypeGuard[CheckConstant | CheckParameter]:
@@ -164,50 +141,65 @@ def _is_of_variant(step: DecodingStep) -> TypeGuard[CheckConstant | CheckParamet
     return isinstance(step, CheckParameter) or (isinstance(step, CheckConstant) and bool(step.field.only))
 
 
-@dataclass(frozen=True, kw_only=True)
 class BodyView:
-    """The body of a class; `has_node` and `depends` decide on its keywords."""
+    """The body of a class for the fields of messages with the same layout; `nodes` are those of elements of arrays."""
 
-    fields: tuple[FieldView, ...]
-    raws_python: code.Code
-    """The declaration of the raw integers."""
-    match_args: code.Code
-    """The fields that always exist."""
-    types: code.Code
-    """The type of each field by name."""
-    counters: code.Code
-    """The counter of each field that is one, by name."""
-    parameter: str
-    """The parameter that decides on the variant; empty where there is one variant only."""
-    variants: tuple[code.Code, ...]
-    """The names of the fields of each variant."""
-    variant_of: tuple[tuple[str, int], ...]
-    """Each value of that parameter, with the index of its variant."""
-    checks: tuple[code.Code, ...]
-    """The checks of the constants of all variants, and of the checksum."""
-    reads: tuple[tuple[code.Code, ...], ...]
-    """The statements that read each variant; one item where all are read in the same way."""
-    to_raws: code.Code
-    """The statement of the constructor that stores the raw integers."""
-    has_node: bool
-    needs_id: bool
-    """Whether the constructor rejects a message whose id contains an unknown parameter."""
-    depends: code.Code | None
-    """The names of the parameters on which the fields depend; None without any."""
-    has_only: bool
-    """Whether only some nodes have the command of one of the messages."""
-    is_confusable: bool
-    """Whether some values of one of the messages are refused, because its frame would be another message."""
-    code: str
-    """The code that is sent unless another is given; empty if there is one at most."""
-    code_read: str
-    """The expression of the code of received data."""
-    checked_when_decoded: str
-    """The expression that is true if every decoded message can be encoded again."""
-
-    @property
-    def takes_parameters(self) -> bool:
-        return self.has_only or self.depends is not None
+    def __init__(self, bodies: ClassBodies, messages: Sequence[Message], nodes: Sequence[int]) -> None:
+        message, layout, dlc = messages[0], messages[0].layout, messages[0].dlc
+        stored, codes = storage(layout), message_plan(message).codes if len(messages) == 1 else ()
+        varies, depends = len(layout.variants) > 1, [text.literal(text.attribute(n)) for n in parameters_of(message)]
+        steps = message_plan(message).decoding
+        self.has_only = any(message.only for message in messages)
+        """Whether only some nodes have the command of one of the messages."""
+        self.is_confusable = any(message.confusions for message in messages)
+        """Whether some values of one of the messages are refused, because its frame would be another message."""
+        self.fields = fields = [
+            FieldView(
+                bodies, layout, field, place, bodies.set_of(layout, field) if varies and field.only else "", nodes
+            )
+            for field, place in stored.items()
+        ]
+        raws = {view.place: bodies.imports.use("Any") if view.only else view.raw_python for view in fields}
+        self.raws_python = code.Items("_raws: tuple[", tuple(raws[place] for place in sorted(raws)) or ("()",), "]")
+        """The declaration of the raw integers."""
+        always = (text.literal(view.attribute) for view in fields if not view.only)
+        self.match_args = code.tuple_of(always, "__match_args__ = ")
+        self.types = code.dict_of((view.type for view in fields), "TYPES = ")
+        self.counters = code.dict_of(bodies.counters(stored), "COUNTERS = ")
+        """The counter of each field that is one, by name."""
+        self.parameter = text.attribute(layout.parameter or "") if varies else ""
+        """The parameter that decides on the variant; empty where there is one variant only."""
+        self.variants = [_names(variant, stored) for variant in layout.variants]
+        """The names of the fields of each variant."""
+        self.variant_of = [
+            (key, i)
+            for i, variant in enumerate(layout.variants)
+            for key in variant_values(layout, variant, bodies.parameters)
+        ]
+        """Each value of that parameter, with the index of its variant."""
+        self.checks = [check for step in steps if not _is_of_variant(step) for check in bodies.check(step, dlc)]
+        """The checks of the constants of all variants, and of the checksum."""
+        reads = [tuple(bodies.read(message, variant, stored)) for variant in layout.variants]
+        self.reads = reads[:1] if len(set(reads)) == 1 else reads
+        """The statements that read each variant; one item where all are read in the same way."""
+        self.to_raws = code.tuple_of((view.to_raw for view in fields), "self._raws = ")
+        """The statement of the constructor that stores the raw integers."""
+        if varies:
+            given = (f"{view.attribute}={view.attribute}" for view in fields)
+            self.to_raws = code.call("self._raws = self._raws_of", given)
+        self.has_node = message.id.nodes is not None
+        self.needs_id = message.id.parameter is not None
+        """Whether the constructor rejects a message whose id contains an unknown parameter."""
+        self.depends = code.tuple_of(depends, "DEPENDS = ") if depends else None
+        """The names of the parameters on which the fields depend; None without any."""
+        self.takes_parameters = self.has_only or self.depends is not None
+        self.code = f"0x{codes[0]:02X}" if codes else ""
+        """The code that is sent unless another is given; empty if there is one at most."""
+        self.code_read = bits.read_key(message.keys[0], dlc) if codes else ""
+        """The expression of the code of received data."""
+        is_always_valid = not self.is_confusable and all(field.type.accepts_every_raw for field in stored)
+        self.checked_when_decoded = "not cls.ONLY" if self.has_only and is_always_valid else str(is_always_valid)
+        """The expression that is true if every decoded message can be encoded again."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -225,74 +217,20 @@ class ClassBodies:
     packed: dict[str, str] = dataclasses.field(default_factory=dict)
     """Those that write data."""
 
-    def body(self, messages: Sequence[Message], nodes: Sequence[int]) -> BodyView:
-        """The body for the fields of messages with the same layout; `nodes` are those of elements of arrays."""
-        message, has_only = messages[0], any(message.only for message in messages)
-        is_confusable = any(message.confusions for message in messages)
-        layout, dlc = message.layout, message.dlc
-        is_always_valid = not is_confusable and all(field_.type.accepts_every_raw for field_ in storage(layout))
-        stored, codes = storage(layout), message_plan(message).codes if len(messages) == 1 else ()
-        varies, depends = len(layout.variants) > 1, [text.literal(text.attribute(n)) for n in parameters_of(message)]
-        fields = tuple(
-            field_view(
-                field=field_,
-                place=place,
-                only=self._set(layout, field_) if varies and field_.only else "",
-                type_=self.types[field_.type.name],
-                manual_of_layout=layout.manual,
-                nodes=nodes,
-                imports=self.imports,
-            )
-            for field_, place in stored.items()
-        )
-        raws = {view.place: self.imports.use("Any") if view.only else view.raw_python for view in fields}
-        to_raws = code.tuple_of((view.to_raw for view in fields), "self._raws = ")
-        if varies:
-            to_raws = code.call("self._raws = self._raws_of", (f"{view.attribute}={view.attribute}" for view in fields))
-        steps = message_plan(message).decoding
-        reads = tuple(tuple(self._read(variant, steps, stored, dlc)) for variant in layout.variants)
-        return BodyView(
-            fields=fields,
-            raws_python=code.Items("_raws: tuple[", tuple(raws[place] for place in sorted(raws)) or ("()",), "]"),
-            match_args=code.tuple_of(
-                (text.literal(view.attribute) for view in fields if not view.only), "__match_args__ = "
-            ),
-            types=code.dict_of((view.type for view in fields), "TYPES = "),
-            counters=code.dict_of(self._counters(stored), "COUNTERS = "),
-            parameter=text.attribute(layout.parameter or "") if varies else "",
-            variants=tuple(_names(variant, stored) for variant in layout.variants),
-            variant_of=tuple(
-                (key, i)
-                for i, variant in enumerate(layout.variants)
-                for key in variant_values(layout, variant, self.parameters)
-            ),
-            checks=tuple(check for step in steps if not _is_of_variant(step) for check in self._check(step, dlc)),
-            reads=reads[:1] if len(set(reads)) == 1 else reads,
-            to_raws=to_raws,
-            has_node=message.id.nodes is not None,
-            needs_id=message.id.parameter is not None,
-            depends=code.tuple_of(depends, "DEPENDS = ") if depends else None,
-            has_only=has_only,
-            is_confusable=is_confusable,
-            code=f"0x{codes[0]:02X}" if codes else "",
-            code_read=bits.read_key(message.keys[0], dlc) if codes else "",
-            checked_when_decoded="not cls.ONLY" if has_only and is_always_valid else str(is_always_valid),
-        )
-
-    def _counters(self, fields: Iterable[Field]) -> Iterator[code.Code]:
+    def counters(self, fields: Iterable[Field]) -> Iterator[code.Code]:
         """The items of `COUNTERS`."""
         for field_ in fields:
             if field_.counter:
                 made = f"{self.imports.use('Counter')}({field_.counter.first}, {field_.counter.last})"
                 yield f"{text.literal(text.attribute(field_.name))}: {made}"
 
-    def _set(self, layout: Layout, field_: Field) -> str:
+    def set_of(self, layout: Layout, field_: Field) -> str:
         """The name of the set of parameter values under which a field exists."""
         parameter = self.parameters[layout.parameter or ""]
         values = tuple(types.parameter_key(parameter, value) for value in field_.only)
         return self.sets.setdefault(values, f"_ONLY_{len(self.sets) + 1}")
 
-    def _check(self, step: DecodingStep, dlc: int) -> Iterator[code.Code]:
+    def check(self, step: DecodingStep, dlc: int) -> Iterator[code.Code]:
         """The statements of a check; none for a step that is none."""
         match step:
             case CheckConstant():
@@ -313,14 +251,13 @@ class ClassBodies:
             read = bits.read(bits.place("", field_, element), dlc)
             yield code.call(self.imports.use("constant"), (read, required, text.literal(field_.name)))
 
-    def _read(
-        self, variant: Variant, steps: Iterable[DecodingStep], stored: Mapping[Field, int], dlc: int
-    ) -> Iterator[code.Code]:
+    def read(self, message: Message, variant: Variant, stored: Mapping[Field, int]) -> Iterator[code.Code]:
         """The statements that check the constants of a variant alone, and store the raw integers."""
-        for step in steps:
+        dlc = message.dlc
+        for step in message_plan(message).decoding:
             if _is_of_variant(step) and step.field in variant.fields:
-                yield from self._check(step, dlc)
-        own = positions(varying(variant.fields), stored, self.imports)
+                yield from self.check(step, dlc)
+        own = positions(message, variant.given, stored, self.imports)
         ordered = sorted((position for _, position in own), key=lambda position: position.first_byte)
         pattern = bits.struct_format(ordered, dlc)
         reads: dict[int, list[str]] = {}
@@ -342,7 +279,7 @@ class ClassBodies:
 
 def _names(variant: Variant, stored: Mapping[Field, int]) -> code.Code:
     """The name of the field at each place; None where a variant has no field."""
-    names = {stored[field]: text.literal(text.attribute(field.name)) for field in varying(variant.fields)}
+    names = {stored[field]: text.literal(text.attribute(field.name)) for field in variant.given}
     return code.tuple_of(names.get(place, "None") for place in range(max(stored.values(), default=-1) + 1))
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from ...model import formatting
 from ...model.edition import Edition
@@ -13,73 +12,61 @@ from ...model.message import Command, Direction, Message
 from ...model.metadata import Consent, Repeat, State
 from ...semantics.exchange import has_node, is_read, reply_differs
 from . import code, text
-from .class_bodies import varying
 
 
-@dataclass(frozen=True, kw_only=True)
 class ClientFactsView:
     """Expressions of the arguments of `ClientFacts`."""
 
-    effects: code.Code
-    reads: code.Code
-    settings: code.Code
-    ends_motion: code.Code
-    states: code.Code
-    cyclic: code.Code
-    answers_in_order: bool
-
-
-def view(edition: Edition) -> ClientFactsView:
-    """The facts of an edition."""
-    effects = (
-        code.tuple_of(
-            (
-                text.literal(formatting.english(effect.title)),
-                text.literal(effect.consent.value),
-                str(effect.repeat is Repeat.SAME),
-                text.literal(effect.kept.value if effect.kept else ""),
-            ),
-            f"{text.literal(effect.name)}: ",
+    def __init__(self, edition: Edition) -> None:
+        effects = (
+            code.tuple_of(
+                (
+                    text.literal(formatting.english(effect.title)),
+                    text.literal(effect.consent.value),
+                    str(effect.repeat is Repeat.SAME),
+                    text.literal(effect.kept.value if effect.kept else ""),
+                ),
+                f"{text.literal(effect.name)}: ",
+            )
+            for effect in edition.effects
         )
-        for effect in edition.effects
-    )
-    ends: dict[str, Message] = {}
-    for command in edition.commands:
-        if command.ends_motion and command.request and has_node(command.request):
-            ends.setdefault(command.ends_motion.value, command.request)
-    reads = [command for command in edition.commands if is_read(edition, command)]
-    reads.sort(key=lambda command: command.entry is not None)  # those of measured values first
-    return ClientFactsView(
-        effects=code.dict_of(effects),
-        reads=code.tuple_of(text.class_name(c.request.name) for c in reads if c.request),
-        settings=code.dict_of(
+        ends: dict[str, Message] = {}
+        for command in edition.commands:
+            if command.ends_motion and command.request and has_node(command.request):
+                ends.setdefault(command.ends_motion.value, command.request)
+        reads = [command for command in edition.commands if is_read(edition, command)]
+        reads.sort(key=lambda command: command.entry is not None)  # those of measured values first
+        self.effects = code.dict_of(effects)
+        self.reads = _classes(c.request for c in reads if c.request)
+        self.settings = code.dict_of(
             code.dict_of(
                 (f"{text.literal(kept)}: {text.class_name(write.name)}" for kept, write in writes.items()),
                 f"{text.class_name(read.name)}: ",
             )
             for read, writes in _settings(edition, reads)
-        ),
-        ends_motion=code.dict_of(f"{text.literal(kind)}: {text.class_name(m.name)}" for kind, m in ends.items()),
-        states=code.dict_of(
-            code.tuple_of(
-                (
-                    code.tuple_of(text.class_name(request.name) for request in _entering(edition, state)),
-                    code.tuple_of(text.literal(effect.name) for effect in state.prevents),
-                    code.dict_of(
-                        f"{text.literal(variable)}: {raw}" for variable, raw in _containing(edition, state).items()
-                    ),
-                ),
-                f"{text.literal(state.name)}: ",
-            )
-            for state in sorted(edition.states, key=lambda state: not state.is_initial)
-        ),
-        cyclic=code.tuple_of(
-            text.class_name(message.name)
-            for message in edition.all_messages()
-            if message.direction is Direction.REPLY and message.sending and message.sending.every_ms is not None
-        ),
-        answers_in_order=edition.bus.answers_in_order,
+        )
+        self.ends_motion = code.dict_of(f"{text.literal(kind)}: {text.class_name(m.name)}" for kind, m in ends.items())
+        states = sorted(edition.states, key=lambda state: not state.is_initial)
+        self.states = code.dict_of(_state(edition, state) for state in states)
+        replies = (message for message in edition.all_messages() if message.direction is Direction.REPLY)
+        self.cyclic = _classes(m for m in replies if m.sending and m.sending.every_ms is not None)
+        self.answers_in_order = edition.bus.answers_in_order
+
+
+def _classes(messages: Iterable[Message]) -> code.Items:
+    return code.tuple_of(text.class_name(message.name) for message in messages)
+
+
+def _state(edition: Edition, state: State) -> code.Items:
+    """A state: the requests that enter it, the effects that it prevents, and the variables that contain it."""
+    entering = (command for command in edition.commands if command.spec_name in state.entered_by)
+    variables = (f"{text.literal(variable)}: {raw}" for variable, raw in _containing(edition, state).items())
+    parts = (
+        _classes(command.request for command in entering if command.request),
+        code.tuple_of(text.literal(effect.name) for effect in state.prevents),
+        code.dict_of(variables),
     )
+    return code.tuple_of(parts, f"{text.literal(state.name)}: ")
 
 
 def class_attributes(edition: Edition, command: Command) -> Iterator[code.Code]:
@@ -120,7 +107,7 @@ def _settings(edition: Edition, reads: Iterable[Command]) -> Iterator[tuple[Mess
         )
         if kept and stores_only and command.request and command.reply and command.implemented:
             written = node_variables(command, command.request)
-            values = varying(command.request.layout.fields)
+            values = command.request.layout.given
             if values and len(written) == len(values):
                 write = kept[0].value, command.request, {*written.values()}
                 writes.setdefault(next(iter(written.values())), []).append(write)
@@ -132,11 +119,6 @@ def _settings(edition: Edition, reads: Iterable[Command]) -> Iterator[tuple[Mess
                 requests.setdefault(how, request)
         if requests and read.request:
             yield read.request, requests
-
-
-def _entering(edition: Edition, state: State) -> Iterator[Message]:
-    commands = (command for command in edition.commands if command.spec_name in state.entered_by)
-    return (command.request for command in commands if command.request)
 
 
 def _containing(edition: Edition, state: State) -> dict[str, int]:
@@ -154,7 +136,7 @@ def _containing(edition: Edition, state: State) -> dict[str, int]:
 
 def node_variables(command: Command, message: Message) -> dict[Field, str]:
     """The variable of a node that each field contains, if it has one; in a reply each has one."""
-    values = varying(message.layout.fields)
+    values = message.layout.given
     entry = f"{command.entry.table}.{command.entry.name}" if command.entry else ""
     own = [field for field in values if field.path[0] != "commands"] if entry else []
     variables = {field: field.name for field in values} if message.direction is Direction.REPLY else {}
@@ -172,7 +154,7 @@ def state_attributes(command: Command, message: Message) -> Iterator[code.Code]:
     ]
     if states:
         yield code.dict_of(states, "VARIABLES = ")
-    plausible = {field.name: _plausible_raw(field) for field in varying(message.layout.fields) if is_reply}
+    plausible = {field.name: _plausible_raw(field) for field in message.layout.given if is_reply}
     raws = [f"{text.literal(text.attribute(name))}: {raw}" for name, raw in plausible.items() if raw]
     if raws:
         yield code.dict_of(raws, "PLAUSIBLE = ")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...model.layout import Space, Variant
@@ -16,21 +15,17 @@ from .class_bodies import ClassBodies, positions, storage
 from .imports import Imports
 
 
-@dataclass(frozen=True, kw_only=True)
 class EncodeView:
-    """The statements that return the data bytes: one case where all variants of a layout are written in the same way."""
+    """The statements that return the data bytes: one case where all variants of a layout are written in the same way.
 
-    parameter: str
-    cases: tuple[tuple[code.Code, ...], ...]
+    `selector` is the expression of the code, if that is not constant.
+    """
 
-
-def encode_view(message: Message, bodies: ClassBodies, selector: str = "") -> EncodeView:
-    """How a message writes its bytes; `selector` is the expression of its code, if that is not constant."""
-    layout = message.layout
-    cases = tuple(tuple(_case(message, variant, bodies, selector)) for variant in layout.variants)
-    return EncodeView(
-        parameter=text.attribute(layout.parameter or ""), cases=cases[:1] if len(set(cases)) == 1 else cases
-    )
+    def __init__(self, message: Message, bodies: ClassBodies, selector: str = "") -> None:
+        layout = message.layout
+        cases = [tuple(_case(message, variant, bodies, selector)) for variant in layout.variants]
+        self.parameter = text.attribute(layout.parameter or "")
+        self.cases = cases[:1] if len(set(cases)) == 1 else cases
 
 
 def _case(message: Message, variant: Variant, bodies: ClassBodies, selector: str) -> Iterator[code.Code]:
@@ -39,7 +34,7 @@ def _case(message: Message, variant: Variant, bodies: ClassBodies, selector: str
     result = "data = " if has_checksum else "return "
     keys = [bits.key_place(k)._replace(target=f"0x{k.value:02X}") for k in message.keys]
     keys[:1] = [key._replace(target=selector or key.target) for key in keys[:1]]
-    fields = positions(variant.fields, storage(message.layout), bodies.imports)
+    fields = positions(message, variant.fields, storage(message.layout), bodies.imports)
     in_data = [p for p in (*keys, *(p for _, p in fields)) if p.space is Space.DATA]
     ordered = sorted(in_data, key=lambda p: p.first_byte)
     pattern = bits.struct_format(ordered, message.dlc)
@@ -86,7 +81,7 @@ def _placed_keys(keys: Sequence[Key], space: Space) -> int:
 
 def id_terms(message: Message, imports: Imports) -> code.Code | None:
     """The assignment of the bits of the CAN id that fields, or one of several codes, fill; None without any in the id."""
-    filling = [p for _, p in positions(message.layout.fields, storage(message.layout), imports)]
+    filling = [p for _, p in positions(message, message.layout.fields, storage(message.layout), imports)]
     if message_plan(message).codes:
         filling.append(bits.key_place(message.keys[0])._replace(target="self._code"))
     in_id = [term for p in filling if p.space is Space.ID for term in bits.terms(p, message.dlc)]

@@ -30,36 +30,29 @@ class Argument(NamedTuple):
     enum: str
 
 
-class CommandExample(NamedTuple):
-    """The program of a command: its import statement, and its statements as far as it has them."""
-
-    imports: str
-    known: code.Items | None
-    request: code.Items | None
-    reply: code.Items | None
-
-
 @functools.lru_cache(maxsize=4)
 def _types(edition: Edition) -> Mapping[str, types.TypeView]:
     return types.type_views(edition, Imports())
 
 
-def command_example(edition: Edition, worked: WorkedExchange) -> CommandExample:
-    """The program with these golden frames."""
-    command, frame = worked.command, worked.reply
-    known, names = _known(edition, worked.parameters)
-    request = reply = None
-    if command.request and worked.request:
-        request = _sent(edition, command.request, worked.request, names, bool(known))
-    if command.reply and frame:
-        function = "decode_answer" if worked.is_answered else "decode_reply"
-        names.add(function)
-        data = f'bytes.fromhex("{frame.data.hex(" ").upper()}")'
-        given = [*["request"] * worked.is_answered, f"0x{frame.id:X}", data, *["known"] * bool(known)]
-        marks = ["extended=True"] * frame.extended + ["remote=True"] * frame.remote
-        reply = code.call(function, [*given, *marks], "reply = ")
-    imports = _imports(f"{edition.family}.{edition.identifier}", names)
-    return CommandExample(imports, code.call("Parameters", known, "known = ") if known else None, request, reply)
+class CommandExample:
+    """The program of a command with golden frames: its import statement, and its statements as far as it has them."""
+
+    def __init__(self, edition: Edition, worked: WorkedExchange) -> None:
+        command, frame = worked.command, worked.reply
+        known, names = _known(edition, worked.parameters)
+        self.known = code.call("Parameters", known, "known = ") if known else None
+        self.request = self.reply = None
+        if command.request and worked.request:
+            self.request = _sent(edition, command.request, worked.request, names, bool(known))
+        if command.reply and frame:
+            function = "decode_answer" if worked.is_answered else "decode_reply"
+            names.add(function)
+            data = f'bytes.fromhex("{frame.data.hex(" ").upper()}")'
+            given = [*["request"] * worked.is_answered, f"0x{frame.id:X}", data, *["known"] * bool(known)]
+            marks = ["extended=True"] * frame.extended + ["remote=True"] * frame.remote
+            self.reply = code.call(function, [*given, *marks], "reply = ")
+        self.imports = _imports(f"{edition.family}.{edition.identifier}", names)
 
 
 def _imports(package: str, names: set[str]) -> str:
@@ -99,36 +92,10 @@ def _keywords(message: Message, frame: GoldenFrame, values: Sequence[str], is_kn
     return [*node, *values, *known]
 
 
-class Example(NamedTuple):
-    """A request and a frame that answers it; `known` are the arguments of `Parameters`."""
-
-    edition: Edition
-    frame: GoldenFrame
-    """The reply."""
-    names: Sequence[str]
-    known: str
-    request: str
-    node: int
-    """The node of both, in their ids or their data; 1 without one."""
-    values: str
-    """The arguments of the request without node and parameters."""
-    arguments: str
-    of_node: str
-    """The arguments of `Node.make`: those without the node."""
-    reply: str
-    field: str
-    shares_ids: bool
-    """Whether requests and replies of the edition have the same ids."""
-    allow: str
-    """The consent that the client needs for the request; empty without one."""
-    allow_once: str
-    """The consent that is given with the request; empty without one."""
-
-
 def example(specifications: Sequence[EditionInput]) -> Example | None:
     """The example of README.md: a command with a reply of its own, and with values."""
     shown = readme_exchange(specifications, _is_usable)
-    return _example(*shown) if shown else None
+    return Example(*shown) if shown else None
 
 
 def _is_usable(edition: Edition, exchange: WorkedExchange) -> bool:
@@ -140,45 +107,47 @@ def _is_usable(edition: Edition, exchange: WorkedExchange) -> bool:
     return bool(has_own_values and has_same_node and arguments(command.request, request, _types(edition)) is not None)
 
 
-def _example(edition: Edition, exchange: WorkedExchange) -> Example:
-    request, reply = exchange.request, exchange.reply
-    asked, answer = exchange.command.request, exchange.command.reply
-    assert asked and answer and request and reply
-    sent = arguments(asked, request, _types(edition)) or []
-    known, names = _known(edition, exchange.parameters)
-    values = [f"{argument.keyword}={argument.value}" for argument in sent]
-    classes = text.class_name(asked.name), text.class_name(answer.name)
-    names |= {*classes, "decode_answer", "decode_reply"}
-    names |= {argument.enum for argument in sent if argument.enum}
-    node = node_of(asked, CanFrame(request.id, request.data), exchange.parameters)
-    node = 1 if node is None else node
-    own = asked.node_bits and text.attribute(asked.node_bits.name)
-    shares_ids = any(c.request and c.reply and c.request.id == c.reply.id for c in edition.commands)
-    consents = dict.fromkeys(e.consent for e in exchange.command.effects if e.consent is not Consent.NONE)
-    once = " ".join(consent.value for consent in consents if consent is not Consent.MOTION)
-    return Example(
-        edition=edition,
-        frame=reply,
-        names=sorted(names),
-        known=", ".join(known),
-        request=classes[0],
-        node=node,
-        values=", ".join(values),
-        arguments=", ".join(_keywords(asked, request, values, bool(known))),
-        of_node=", ".join(f"{a.keyword}={a.value}" for a in sent if a.keyword != own),
-        reply=classes[1],
-        field=text.attribute(next(field.name for field in answer.layout.fields if field.name in reply.values)),
-        shares_ids=shares_ids,
-        allow=', allow="motion"' if Consent.MOTION in consents else "",
-        allow_once=f', allow="{once}"' if once else "",
-    )
+class Example:
+    """A request and a frame that answers it."""
+
+    def __init__(self, edition: Edition, exchange: WorkedExchange) -> None:
+        request, reply = exchange.request, exchange.reply
+        asked, answer = exchange.command.request, exchange.command.reply
+        assert asked and answer and request and reply
+        sent = arguments(asked, request, _types(edition)) or []
+        known, names = _known(edition, exchange.parameters)
+        values = [f"{argument.keyword}={argument.value}" for argument in sent]
+        self.edition, self.frame = edition, reply
+        self.known = ", ".join(known)
+        """The arguments of `Parameters`."""
+        self.request, self.reply = text.class_name(asked.name), text.class_name(answer.name)
+        names |= {self.request, self.reply, "decode_answer", "decode_reply"}
+        self.names = sorted(names | {argument.enum for argument in sent if argument.enum})
+        node = node_of(asked, CanFrame(request.id, request.data), exchange.parameters)
+        self.node = 1 if node is None else node
+        """The node of both, in their ids or their data; 1 without one."""
+        self.values = ", ".join(values)
+        """The arguments of the request without node and parameters."""
+        self.arguments = ", ".join(_keywords(asked, request, values, bool(known)))
+        own = asked.node_bits and text.attribute(asked.node_bits.name)
+        self.of_node = ", ".join(f"{a.keyword}={a.value}" for a in sent if a.keyword != own)
+        """The arguments of `Node.make`: those without the node."""
+        self.field = text.attribute(next(field.name for field in answer.layout.fields if field.name in reply.values))
+        self.shares_ids = any(c.request and c.reply and c.request.id == c.reply.id for c in edition.commands)
+        """Whether requests and replies of the edition have the same ids."""
+        consents = dict.fromkeys(e.consent for e in exchange.command.effects if e.consent is not Consent.NONE)
+        once = " ".join(consent.value for consent in consents if consent is not Consent.MOTION)
+        self.allow = ', allow="motion"' if Consent.MOTION in consents else ""
+        """The consent that the client needs for the request; empty without one."""
+        self.allow_once = f', allow="{once}"' if once else ""
+        """The consent that is given with the request; empty without one."""
 
 
 def arguments(message: Message, frame: GoldenFrame, views: Mapping[str, types.TypeView]) -> list[Argument] | None:
     """The values that make the message of a frame; None where a field has no value."""
     made: list[Argument] = []
     variant = message.layout.variant(frame.parameters)
-    for field in (f for f in (variant.fields if variant else ()) if f.is_given):
+    for field in variant.given if variant else ():
         view = views[field.type.name]
         value = _value(field, frame.values.get(field.name), view)
         if value is None:

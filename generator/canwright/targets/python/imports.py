@@ -10,20 +10,8 @@ PUBLIC = ("CodecError", "FieldAbsent", "Message", "Refusal", "Reply", "Request")
 _RUNTIME = {
     "_codec": (
         *PUBLIC,
-        *(
-            "ArrayType",
-            "Bound",
-            "ClientFacts",
-            "Counter",
-            "DigitsType",
-            "EnumType",
-            "FlagsType",
-            "Float",
-            "Integer",
-            "NodeParameters",
-            "Number",
-            "Real",
-        ),
+        *("ArrayType", "Bound", "ClientFacts", "Counter", "DigitsType", "EnumType", "FlagsType", "Float", "Integer"),
+        *("NodeParameters", "Number", "Real"),
         *("OptionalFloat", "OptionalInteger", "OptionalNumber", "TextType"),
         *("ToAll", "ToNode", "check_choice", "check_number", "checksum", "constant", "crc_of", "join"),
         *("merge", "missing", "new", "sum_of", "whole", "wrong_message", "xor_of"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
@@ -15,46 +14,6 @@ from ...semantics.plan import message_plan
 from . import client_facts, code, docstrings, encoding, text, types
 from .class_bodies import BodyView, ClassBodies, storage
 from .encoding import EncodeView
-
-
-@dataclass(frozen=True, kw_only=True)
-class LayoutView:
-    """A base class for the messages that share a layout."""
-
-    name: str
-    doc: docstrings.Docstring
-    body: BodyView
-    encode: EncodeView | None
-    """How all of them write their bytes; None when they differ in more than their code."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class MessageView:
-    """The class of a message; `body` is None when a base class has its fields, and no code has to be stored."""
-
-    message: Message
-    name: str
-    header: code.Code
-    """The first line of the class."""
-    doc: docstrings.Docstring
-    node_place: int | None
-    """The place of the node among the raw integers; None where it is not there."""
-    body: BodyView | None
-    id: int
-    """The id without the node and the fields."""
-    data: str
-    """Expression of the bytes of a frame without fields; empty for one with fields."""
-    id_terms: code.Code | None
-    """The assignment of the bits that fields fill in the id; None without any."""
-    codes: code.Code | None
-    """The assignment of the codes that it can have; None if it has one at most."""
-    encode: EncodeView | None
-    confusions: tuple[encoding.ConfusionView, ...]
-    sent: code.Code
-    """The assignment of the occasions on which it is sent."""
-    metadata: tuple[code.Code, ...]
-    """Assignments of class attributes."""
-
 
 Group = tuple[str, int, bool, str | None]
 
@@ -106,72 +65,77 @@ def _differ_in_code_only(messages: Sequence[Message]) -> bool:
     return len(positions) == 1 and all(len(m.keys) == 1 and m.keys[0].space is Space.DATA for m in messages)
 
 
+class LayoutView:
+    """A base class for the messages that share a layout."""
+
+    def __init__(self, views: MessageViews, messages: Sequence[Message]) -> None:
+        message, group = messages[0], _group(messages[0])
+        self.name, self.doc = views.bases[group], docstrings.of_layout(message.layout)
+        self.body = BodyView(views.bodies, messages, ())
+        self.encode = EncodeView(message, views.bodies, "self.CODE") if group in views.encoding_bases else None
+        """How all of them write their bytes; None when they differ in more than their code."""
+
+
+class MessageView:
+    """The class of a message."""
+
+    def __init__(self, views: MessageViews, command: Command, message: Message) -> None:
+        group, name, has_body = _group(message), text.class_name(message.name), _has_body(message)
+        codes, bodies = message_plan(message).codes, views.bodies
+        is_request = message.direction is Direction.REQUEST
+        self.message, self.name = message, name
+        self.header = code.call(f"class {name}", self._base_classes(views, command, message))
+        """The first line of the class."""
+        self.doc = docstrings.of_message(command, message)
+        self.node_place = _place(message) if message.node_in_data else None
+        """The place of the node among the raw integers; None where it is not there."""
+        has_own = has_body and (codes or group not in views.bases)
+        self.body = BodyView(bodies, [message], command.from_each) if has_own else None
+        """None when a base class has its fields, and no code has to be stored."""
+        self.id = encoding.fixed_id(message)
+        """The id without the node and the fields."""
+        self.data = "" if has_body else encoding.constant_data(message)
+        """Expression of the bytes of a frame without fields; empty for one with fields."""
+        self.id_terms = encoding.id_terms(message, bodies.imports)
+        """The assignment of the bits that fields fill in the id; None without any."""
+        self.codes = code.tuple_of((f"0x{value:02X}" for value in codes), "CODES = ") if codes else None
+        """The assignment of the codes that it can have; None if it has one at most."""
+        writes_own = has_body and (codes or group not in views.encoding_bases)
+        self.encode = EncodeView(message, bodies, "self._code" if codes else "") if writes_own else None
+        self.confusions = list(encoding.confusion_views(message))
+        occasions = message.sending.occasions if message.sending else ()
+        self.sent = code.tuple_of((text.literal(o.value) for o in occasions), "SENT = ")
+        """The assignment of the occasions on which it is sent."""
+        has_metadata = is_request or command.request is None
+        self.metadata = [
+            *(_class_attributes(command, bodies.parameters) if has_metadata else ()),
+            *(client_facts.class_attributes(views.edition, command) if is_request else ()),
+            *client_facts.state_attributes(command, message),
+        ]
+        """Assignments of class attributes."""
+
+    def _base_classes(self, views: MessageViews, command: Command, message: Message) -> Iterator[str]:
+        base = views.bases.get(_group(message))
+        if not _has_body(message):
+            yield views.bodies.imports.use("ToNode" if message.id.nodes is not None else "ToAll")
+        elif base:
+            yield base
+        replies = dict.fromkeys(text.class_name(reply.message.name) for reply in command.replies)
+        is_request = message.direction is Direction.REQUEST
+        yield f'Request["{" | ".join(replies) or "Message"}"]' if is_request else "Reply"
+
+
 class MessageViews:
     """The classes of all messages of an edition: `layouts` before the `messages` that inherit from them."""
 
     def __init__(self, edition: Edition, bodies: ClassBodies) -> None:
-        self._edition = edition
-        self._bodies = bodies
+        self.edition, self.bodies = edition, bodies
         messages = edition.all_messages()
         shared = _shared(messages)
-        self._bases = _bases(shared)
-        self._encoding_bases = {group for group, same in shared.items() if _differ_in_code_only(same)}
-        self.layouts = tuple(map(self._layout, shared.values()))
-        self.messages = tuple(self._message(edition.command(m.command), m) for m in messages)
-
-    def _layout(self, messages: Sequence[Message]) -> LayoutView:
-        message, group = messages[0], _group(messages[0])
-        return LayoutView(
-            name=self._bases[group],
-            doc=docstrings.of_layout(message.layout),
-            body=self._bodies.body(messages, ()),
-            encode=self._encode(message, "self.CODE") if group in self._encoding_bases else None,
-        )
-
-    def _message(self, command: Command, message: Message) -> MessageView:
-        group, name, has_body = _group(message), text.class_name(message.name), _has_body(message)
-        codes = message_plan(message).codes
-        is_request = message.direction is Direction.REQUEST
-        has_metadata = is_request or command.request is None
-        occasions = message.sending.occasions if message.sending else ()
-        return MessageView(
-            message=message,
-            name=name,
-            header=code.call(f"class {name}", self._base_classes(command, message)),
-            doc=docstrings.of_message(command, message),
-            node_place=_place(message) if message.node_in_data else None,
-            body=self._bodies.body([message], command.from_each)
-            if has_body and (codes or group not in self._bases)
-            else None,
-            id=encoding.fixed_id(message),
-            data="" if has_body else encoding.constant_data(message),
-            id_terms=encoding.id_terms(message, self._bodies.imports),
-            codes=code.tuple_of((f"0x{value:02X}" for value in codes), "CODES = ") if codes else None,
-            encode=self._encode(message, "self._code" if codes else "")
-            if has_body and (codes or group not in self._encoding_bases)
-            else None,
-            confusions=tuple(encoding.confusion_views(message)),
-            sent=code.tuple_of((text.literal(o.value) for o in occasions), "SENT = "),
-            metadata=(
-                *(_class_attributes(command, self._bodies.parameters) if has_metadata else ()),
-                *(client_facts.class_attributes(self._edition, command) if is_request else ()),
-                *client_facts.state_attributes(command, message),
-            ),
-        )
-
-    def _base_classes(self, command: Command, message: Message) -> tuple[str, ...]:
-        if message.direction is Direction.REQUEST:
-            names = [text.class_name(reply.message.name) for reply in command.replies]
-            role = f'Request["{" | ".join(dict.fromkeys(names)) or "Message"}"]'
-        else:
-            role = "Reply"
-        if not _has_body(message):
-            return self._bodies.imports.use("ToNode" if message.id.nodes is not None else "ToAll"), role
-        base = self._bases.get(_group(message))
-        return (base, role) if base else (role,)
-
-    def _encode(self, message: Message, selector: str = "") -> EncodeView:
-        return encoding.encode_view(message, self._bodies, selector)
+        self.bases = _bases(shared)
+        self.encoding_bases = {group for group, same in shared.items() if _differ_in_code_only(same)}
+        self.layouts = [LayoutView(self, same) for same in shared.values()]
+        self.messages = [MessageView(self, edition.command(m.command), m) for m in messages]
 
 
 def _class_attributes(command: Command, parameters: Mapping[str, Parameter]) -> Iterator[code.Code]:

@@ -13,7 +13,7 @@ from .class_bodies import ClassBodies
 from .imports import PUBLIC, Imports
 from .messages import MessageViews
 from .runtime._codec import Message
-from .types import parameter_view, type_views
+from .types import ParameterView, type_views
 
 SHARED = (
     "_codec.py",
@@ -64,7 +64,7 @@ def module_view(edition: Edition) -> dict[str, object]:
         "use": imports.use,
         "public": _public((*names, *helpers)),
         "choices": choices,
-        "parameters": [parameter_view(parameter, imports) for parameter in edition.parameters],
+        "parameters": [ParameterView(parameter, imports) for parameter in edition.parameters],
         "enums": enums,
         "types": list(types.values()),
         "sets": [code.Items(f"{name} = {{", values, "}") for values, name in class_bodies.sets.items()],
@@ -79,7 +79,7 @@ def module_view(edition: Edition) -> dict[str, object]:
         "reply_routes": list(routes.route_views(edition, Direction.REPLY, readers)),
         "answers": list(routes.answer_views(edition, readers)),
         "nodes_in_data": list(routes.node_readers(edition, readers)),
-        "client_facts": client_facts.view(edition),
+        "client_facts": client_facts.ClientFactsView(edition),
         "slow_replies": edition.slow_replies,
         "reply_within_ms": None if edition.bus.reply_within_ms is None else float(edition.bus.reply_within_ms),
         "request_classes": routes.decoded_classes(edition, Direction.REQUEST),

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.layout import Layout
-from ..base import NameProblem
+from ..base import Named, NameProblem, clashes
 from . import text
 from .imports import NAMES
 from .module import CONSTANTS, SHARED
@@ -29,20 +29,20 @@ PACKAGES = frozenset({"can", "canwright", "numpy", "pip", "pyarrow", "setuptools
 def problems(edition: Edition) -> Iterator[NameProblem]:
     """The collisions of one edition."""
     yield from _modules(edition)
-    yield from _clashes(_module_names(edition), "a name in every module")
+    yield from clashes(_module_names(edition), "Python", dict.fromkeys((*NAMES, *CONSTANTS), "a name in every module"))
     for layout in dict.fromkeys(m.layout for m in edition.all_messages()):
-        yield from _clashes(_attributes(layout), "")
+        yield from clashes(_attributes(layout), "Python")
     for type_ in edition.types:
         key = "enum" if type_.enum else "flags"
         members = [
             (text.member_name(m.name), f"`{m.name}`", (*type_.path, key, m.name)) for m in type_.enum or type_.flags
         ]
-        yield from _clashes(iter(members), "")
+        yield from clashes(members, "Python")
     for parameter in edition.parameters:
         at: DocumentPath = ("parameters", parameter.name, "values")
         values = [(text.member_name(v.name), f"`{v.name}`", (*at, v.name)) for v in parameter.values]
         if not parameter.is_numeric:
-            yield from _clashes(iter(values), "")
+            yield from clashes(values, "Python")
 
 
 def _modules(edition: Edition) -> Iterator[NameProblem]:
@@ -63,18 +63,7 @@ def _modules(edition: Edition) -> Iterator[NameProblem]:
         yield NameProblem(("edition",), text, f"choose another name, for example v-{edition.name}")
 
 
-def _clashes(names: Iterator[tuple[str, str, DocumentPath]], taken: str) -> Iterator[NameProblem]:
-    """Names of two items, or of an item and a name in every module; `taken` describes that."""
-    every: tuple[str, DocumentPath] = (taken, ())
-    owners = dict.fromkeys((*NAMES, *CONSTANTS), every) if taken else {}
-    for name, what, path in names:
-        owner, at = owners.setdefault(name, (what, path))
-        if owner != what:
-            text = f"{what} and {owner} would both be `{name}` in Python"
-            yield NameProblem(path, text, "rename one of them", other=(at, owner) if at else None)
-
-
-def _module_names(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
+def _module_names(edition: Edition) -> Iterator[Named]:
     for parameter in edition.parameters:
         if parameter.is_choice and not parameter.is_numeric:
             yield text.class_name(parameter.name), f"the parameter `{parameter.name}`", ("parameters", parameter.name)
@@ -90,7 +79,7 @@ def _module_names(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
             yield text.class_name(message.layout.name), f"the layout `{message.layout.name}`", message.layout.path
 
 
-def _attributes(layout: Layout) -> Iterator[tuple[str, str, DocumentPath]]:
+def _attributes(layout: Layout) -> Iterator[Named]:
     for field in layout.fields:
         for ending in ("", "_raw"):
             yield text.attribute(field.name) + ending, f"the field `{field.name}`", field.path

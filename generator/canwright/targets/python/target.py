@@ -26,8 +26,8 @@ from ..base import (
 )
 from ..options import NO_OPTIONS, Options
 from . import code, docstrings, text
-from .class_bodies import depends_on_parameters, varying
-from .examples import command_example, example
+from .class_bodies import depends_on_parameters
+from .examples import CommandExample, example
 from .messages import base_classes
 from .module import SHARED, module_view
 from .problems import problems
@@ -78,7 +78,7 @@ class PythonTarget(Target):
         yield from base_classes(edition)
         for message in edition.all_messages():
             yield message.path, text.class_name(message.name)
-            for field in varying(message.layout.fields):
+            for field in message.layout.given:
                 yield from ((field.path, text.attribute(field.name) + ending) for ending in ("", "_raw"))
         for parameter in edition.parameters:
             at: DocumentPath = ("parameters", parameter.name)
@@ -114,7 +114,7 @@ class PythonTarget(Target):
         )
 
     def example(self, edition: Edition, worked: WorkedExchange) -> CodeExample:
-        x = command_example(edition, worked)
+        x = CommandExample(edition, worked)
         calls = [code.laid_out(call) for call in (x.request, x.reply) if call]
         program = _environment().get_template("command_example.py.j2").render(x=x, worked=worked)
         return CodeExample("python", program, "\n".join([x.imports, *calls]))

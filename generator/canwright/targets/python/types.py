@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 
 from ...model.edition import Edition
@@ -11,22 +10,6 @@ from ...model.joined import JoinedText
 from ...model.types import Bound, Encoding, Linear, Parameter, Range, Type, factors
 from . import code, docstrings, text
 from .imports import Imports
-
-
-@dataclass(frozen=True, kw_only=True)
-class TypeView:
-    """A type of the edition: a `Number` or `Float`, or an `enum` class."""
-
-    constant: str
-    """The name of the object that converts between raw integers and values."""
-    declaration: code.Code
-    """The statement that makes that object."""
-    enum: str
-    """The name of the class; empty for a number."""
-    meaning: str
-    """Unit, resolution and range in a sentence."""
-    python: str
-    """The type of a value."""
 
 
 def parameter_key(parameter: Parameter, value: str) -> str:
@@ -39,35 +22,36 @@ def parameter_key(parameter: Parameter, value: str) -> str:
 def type_views(edition: Edition, imports: Imports) -> dict[str, TypeView]:
     """The types of the edition by name, without those of numbers that are always constant."""
     parameters = {p.name: p for p in edition.parameters}
-    stored = {
-        field.type.name for message in edition.all_messages() for field in message.layout.fields if field.is_given
-    }
-    return {t.name: _view(t, parameters, imports) for t in edition.types if not t.is_number or t.name in stored}
+    stored = {field.type.name for message in edition.all_messages() for field in message.layout.given}
+    return {t.name: TypeView(t, parameters, imports) for t in edition.types if not t.is_number or t.name in stored}
 
 
-def _view(type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> TypeView:
-    enum = text.class_name(type_.name) if type_.enum or type_.flags else ""
-    constant = f"_{enum}" if enum else text.member_name(type_.name)
-    if type_.flags:
-        mask = f"0x{sum(1 << m.value for m in type_.flags):X}"
-        declaration = code.call(imports.use("FlagsType"), (enum, mask), f"{constant} = ")
-    elif type_.enum:
-        declaration = code.call(imports.use("EnumType"), (enum,), f"{constant} = ")
-    else:
-        kind = imports.use("Float" if type_.encoding is Encoding.FLOAT else "Integer" if type_.is_plain else "Number")
-        declaration = code.call(kind, _arguments(type_, parameters, imports), f"{constant} = ")
+class TypeView:
+    """A type of the edition: a `Number` or `Float`, or an `enum` class."""
+
+    def __init__(self, type_: Type, parameters: Mapping[str, Parameter], imports: Imports) -> None:
+        self.enum = enum = text.class_name(type_.name) if type_.enum or type_.flags else ""
+        """The name of the class; empty for a number."""
+        self.constant = f"_{enum}" if enum else text.member_name(type_.name)
+        """The name of the object that converts between raw integers and values."""
+        self.meaning = docstrings.of_type(type_)
+        """Unit, resolution and range in a sentence."""
+        self.python = f"{enum} | int" if type_.enum else enum or _python(type_)
+        """The type of a value."""
+        made: list[code.Code]
+        if type_.flags:
+            kind, made = "FlagsType", [enum, f"0x{sum(1 << m.value for m in type_.flags):X}"]
+        elif type_.enum:
+            kind, made = "EnumType", [enum]
+        else:
+            kind = "Float" if type_.encoding is Encoding.FLOAT else "Integer" if type_.is_plain else "Number"
+            made = _arguments(type_, parameters, imports)
         if type_.no_values:
             names = (f"{text.literal(n.name)}: ({n.raws[0]}, {n.raws[-1]})" for n in type_.no_values)
-            of_numbers = code.call(kind, _arguments(type_, parameters, imports))
-            optional = imports.use("Optional" + ("Number" if kind == "Number" else kind))
-            declaration = code.call(optional, (of_numbers, code.dict_of(names)), f"{constant} = ")
-    return TypeView(
-        constant=constant,
-        declaration=declaration,
-        enum=enum,
-        meaning=docstrings.of_type(type_),
-        python=f"{enum} | int" if type_.enum else enum or _python(type_),
-    )
+            made = [code.call(imports.use(kind), made), code.dict_of(names)]
+            kind = f"Optional{kind}"
+        self.declaration = code.call(imports.use(kind), made, f"{self.constant} = ")
+        """The statement that makes that object."""
 
 
 def _python(type_: Type) -> str:
@@ -163,32 +147,25 @@ def inline_value(type_: Type, raw: str) -> str | None:
     return f"{dividend} / {divisor}"
 
 
-@dataclass(frozen=True, kw_only=True)
 class ParameterView:
     """A field of `Parameters`."""
 
-    name: str
-    declaration: code.Code
-    check: code.Code
-    """The statement that checks its value."""
-    doc: docstrings.Docstring
-
-
-def parameter_view(parameter: Parameter, imports: Imports) -> ParameterView:
-    """The field of a parameter."""
-    name, use = text.attribute(parameter.name), imports.use
-    values = [parameter_key(parameter, value.name) for value in parameter.values]
-    given = [f"self.{name}", text.literal(name)]
-    if parameter.is_choice:
-        declaration: code.Code = f"{name}: {text.class_name(parameter.name)} | None = None"
-        if parameter.is_numeric:
-            declaration = code.Items(f"{name}: {use('Literal')}[", tuple(values), "] | None = None")
-        check = code.call(use("check_choice"), (*given, *values))
-    else:
-        declaration = f"{name}: {use('Real')} | None = None"
-        limits = (_limit(parameter.minimum, imports), _limit(parameter.maximum, imports))
-        check = code.call(use("check_number"), (*given, *limits, *["is_whole=True"] * parameter.whole))
-    return ParameterView(name=name, declaration=declaration, check=check, doc=docstrings.of_parameter(parameter))
+    def __init__(self, parameter: Parameter, imports: Imports) -> None:
+        name, use = text.attribute(parameter.name), imports.use
+        values = [parameter_key(parameter, value.name) for value in parameter.values]
+        given = [f"self.{name}", text.literal(name)]
+        self.declaration: code.Code
+        if parameter.is_choice:
+            self.check = code.call(use("check_choice"), (*given, *values))
+            self.declaration = f"{name}: {text.class_name(parameter.name)} | None = None"
+            if parameter.is_numeric:
+                self.declaration = code.Items(f"{name}: {use('Literal')}[", tuple(values), "] | None = None")
+        else:
+            self.declaration = f"{name}: {use('Real')} | None = None"
+            limits = (_limit(parameter.minimum, imports), _limit(parameter.maximum, imports))
+            self.check = code.call(use("check_number"), (*given, *limits, *["is_whole=True"] * parameter.whole))
+        """The statement that checks its value."""
+        self.doc = docstrings.of_parameter(parameter)
 
 
 def _limit(limit: Fraction | None, imports: Imports) -> str:

@@ -13,7 +13,7 @@ from ...semantics.exchange import ExchangePlan
 from ...semantics.plan import message_plan
 from ...semantics.valid_raws import RawInterval, valid_raws
 from ..nested_source import Code, Table, Value
-from ..tables import EditionTables, run_table, segments
+from ..tables import EditionTables, checksum_table, run_table, segments
 from . import text
 
 
@@ -126,12 +126,6 @@ def _checksum(message: Message) -> Table | None:
     plan = step.checksum
     return {
         "field": message.layout.fields.index(step.field),
-        "arithmetic": plan.arithmetic.value,
-        "width": plan.width,
-        "poly": plan.poly or None,
-        "init": plan.init or None,
-        "reflected": plan.is_reflected or None,
-        "shift": plan.shift or None,
-        "xor": plan.xor_out or None,
+        **checksum_table(plan),
         "inputs": [part if isinstance(part, int) else segments(part.segments, part.space) for part in plan.inputs],
     }
