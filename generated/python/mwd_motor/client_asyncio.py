@@ -31,8 +31,10 @@ class AsyncClient(ClientCore):
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        await self._run(self._close())
-        self._unwatch()
+        try:
+            await self._run(self._close())
+        finally:
+            self._unwatch()
 
     async def request(self, request: Request[R], *, allow: str = "", tries: int = 1, timeout: float | None = None) -> R:
         """The reply to a request. Raises ClientError."""
