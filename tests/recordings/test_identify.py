@@ -355,6 +355,18 @@ def test_golden_frames_speak_for_their_own_edition(spec: Path) -> None:
         assert not reading.is_rejected and (reading.is_request or not reading.reasons), golden
 
 
+@pytest.mark.parametrize(("options", "fits"), [([], []), (["--window", "1500"], ["v2.36-2024-11", "v2.36-2025-03"])])
+def test_a_log_of_slow_replies_fits_an_edition_with_a_longer_window(
+    tmp_path: Path, options: list[str], fits: list[str]
+) -> None:
+    """Replies that come after 1 s, so that no request is answered within the window that suits the spec."""
+    lines = [f"({time}.000000) can0 {frame}\n" for time, frame in enumerate(V2_36)]
+    log = tmp_path / "slow.log"
+    log.write_text("".join(lines), "utf-8")
+    arguments = ["identify", str(log), "--spec", str(ROOT / "spec"), "--format", "json", *options]
+    assert sorted(json.loads(CliRunner().invoke(main, arguments).stdout)["nodes"][0]["fits"]) == fits
+
+
 def torque(node: int, start: int, count: int) -> Iterator[LogFrame]:
     """A fast loop in which all editions without ids for replies have the same frames; times in µs."""
     for time in range(start, start + 1000 * count, 1000):

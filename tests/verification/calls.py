@@ -88,7 +88,7 @@ def _unions(header: Header) -> Mapping[str, Sequence[tuple[str, str, str]]]:
     view = edition_view(header.specification.edition)
     return {
         f"{view.prefix}any_{direction.word}_t": [
-            (content.command, content.member, f"{layout.name}_t") for layout, content in direction.members
+            (message.enumerator, message.member, f"{message.layout.name}_t") for message in direction.members
         ]
         for direction in view.directions
     }

@@ -39,7 +39,15 @@ from .common import FINDINGS, FilePath, OutputPath, read, spec_option, stop
 from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
 from .log_source import BLOCK, ended_by_interrupt, known_nodes, log_directions, log_or_bus
-from .node_settings import bus_of, differences_option, direction_of, recorder_option, settings_option, split_option
+from .node_settings import (
+    bus_of,
+    differences_option,
+    direction_of,
+    recorder_option,
+    settings_option,
+    split_option,
+    window_option,
+)
 from .terminal import print_data, print_text, progress
 
 BINARY = {"parquet": "a folder: --out tables", "mcap": "a file: --out log.mcap"}
@@ -117,12 +125,7 @@ class Outputs(NamedTuple):
 )
 @click.option("--field", "fields", multiple=True, help="A field for --plot; may be given several times.")
 @click.option("--golden", is_flag=True, help="Print a single frame as golden frames, for review.")
-@click.option(
-    "--window",
-    type=click.FloatRange(min=0, min_open=True, max=1e9),
-    metavar="MS",
-    help="The time within which a request is answered.  [default: 2, or longer by the spec and the log]",
-)
+@window_option
 @click.option(
     "--follow", "followed", is_flag=True, help="Wait for more lines at the end of the file, until Ctrl-C ends the log."
 )
@@ -140,7 +143,7 @@ def decode(
     plot: Path | None,
     fields: Sequence[str],
     golden: bool,
-    window: float | None,
+    window: int | None,
     followed: bool,
     has_differences: bool,
     is_split: bool,
@@ -183,8 +186,7 @@ def decode(
             log, bus_arguments, is_followed=followed, has_differences=has_differences, is_split=is_split
         )
         with source as recording:
-            within = None if window is None else int(window * 1_000_000)
-            _decode(recording, editions, set_, outputs, within, direction_of(recorder))
+            _decode(recording, editions, set_, outputs, window, direction_of(recorder))
     except (LogError, MissingPackageError, OSError) as error:
         if isinstance(error, BrokenPipeError):  # of the standard output
             raise

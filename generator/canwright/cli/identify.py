@@ -27,7 +27,7 @@ from .bus import BusArguments, bus_options
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import at_frame, node_names
 from .log_source import ended_by_interrupt, log_directions, log_or_bus
-from .node_settings import differences_option, direction_of, recorder_option, split_option
+from .node_settings import differences_option, direction_of, recorder_option, split_option, window_option
 from .settings import assignment
 from .terminal import print_json, print_text
 
@@ -46,6 +46,7 @@ SHOWN = 4
     metavar="PARAMETER=VALUE",
     help="A parameter in ids or constants, of all nodes.",
 )
+@window_option
 @differences_option
 @split_option
 @recorder_option
@@ -55,6 +56,7 @@ def identify(
     specs: Sequence[Path],
     form: str,
     settings: Sequence[str],
+    window: int | None,
     has_differences: bool,
     is_split: bool,
     recorder: str,
@@ -66,17 +68,18 @@ def identify(
     - for the standard input. Without LOG, a bus of python-can is read until Ctrl-C. No frame contains its edition: the frames
     are decoded with each edition, and the result follows from the ids, codes, replies, reserved bits and values that it
     explains. It may be undecided. If a node gets another edition, the result names the frame and the time of the change. Of a
-    log with more than 16384 frames, the first frames of each kind and samples of all its parts are compared. Without --spec
-    and without a folder spec/, the editions in the package are compared.
+    long log, the first frames of each kind and samples of all its parts are compared; the result states how many. Without
+    --spec and without a folder spec/, the editions in the package are compared.
 
     Exit status: 0 if the edition of every node is identified and does not change, 1 if not, or if each frame is recorded
     twice, as by two recorders; 2 if it could not run, 130 if Ctrl-C ended the log, after its result. Nodes with few frames,
-    far apart, are listed last and do not affect it: their ids may be damaged.
+    far apart, are listed last and do not affect it: their ids may be damaged. `decode` also accepts editions that fit
+    equally well, if the frames of the log mean the same in all of them.
     """
     specifications = read(specs, packaged=True)
     known = assignment(specifications, settings)
     editions = [configured(item.edition, known) for item in specifications]
-    identifiers = Identifiers(editions, direction_of(recorder))
+    identifiers = Identifiers(editions, direction_of(recorder), window)
     try:
         source = log_or_bus(log, bus_arguments, has_differences=has_differences, is_split=is_split)
         with source as read_log, ended_by_interrupt(read_log):
@@ -93,7 +96,7 @@ def identify(
         print_json(_facts(family, identification, read_log.counts))
     else:
         print_identification(own, identification, read_log.counts)
-    directions = log_directions(read_log, nodes_of(identifiers.best, ()), direction_of(recorder))
+    directions = log_directions(read_log, nodes_of(identifiers.best, ()), direction_of(recorder), window)
     is_repeated = any(repeated_after(f for f in start if f.bus == bus) for bus in {f.bus for f in start})
     doubtful = [*two_recorders(directions.learn(start))] if is_repeated else []
     for doubt in doubtful:

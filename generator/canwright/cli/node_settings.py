@@ -1,4 +1,4 @@
-"""`--set` and `--recorder`: what is known of a log."""
+"""`--set`, `--window` and `--recorder`: what is known of a log."""
 
 from __future__ import annotations
 
@@ -29,6 +29,15 @@ settings_option = click.option(
     metavar="[[BUS:]NODE:]NAME=VALUE",
     help="A parameter or the edition, of all nodes or of one: --set size=12 --set 3:edition=v2.",
 )
+window_option = click.option(
+    "--window",
+    type=click.FloatRange(min=0, min_open=True, max=1e9),
+    metavar="MS",
+    callback=lambda _context, _option, window: None if window is None else int(window * 1_000_000),
+    help="The time within which a request is answered.  [default: 2, or longer by the spec and the log]",
+)
+"""The command gets it in ns."""
+
 differences_option = click.option(
     "--time-differences",
     "has_differences",

@@ -13,11 +13,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
-from ..model import formatting
 from ..model.layout import Space
 from ..model.message import Direction, Message
 from ..model.refusal import Refusal
-from ..model.types import NO_PARAMETERS, Assignment
+from ..model.types import NO_PARAMETERS, Assignment, number_of
 from ..semantics.configured import configured
 from ..semantics.decoder import Decoder, Identified
 from ..semantics.dispatch import dispatch_plan
@@ -26,6 +25,7 @@ from ..semantics.plan import message_plan
 from ..targets.base import EditionInput
 from ..targets.dbc.files import files
 from ..targets.dbc.frames import frames, obstacle
+from ..targets.dbc.names import known_values
 from ..targets.dbc.printer import printed
 from ..targets.dbc.view import File
 from ..targets.options import NO_OPTIONS
@@ -197,19 +197,19 @@ class DbcAdapter(Adapter):
 
     def _names(self, parameters: Parameters) -> Iterator[tuple[frozenset[str], Assignment]]:
         """The known values of the files that a node with these parameters may need: one, or several where one is not given."""
-        choices: list[list[str]] = []
-        fixed: dict[str, str] = {}
+        given = assignment(parameters)
+        choices: list[list[tuple[str, str | Fraction]]] = []
+        fixed: dict[str, str | Fraction] = {}
         for parameter in self.edition.parameters:
-            given = parameters.get(parameter.name)
+            name = parameter.name
             if not parameter.is_numeric:
-                choices.append([str(given)] if given is not None else [value.name for value in parameter.values])
-            elif (
-                given is not None and not parameter.whole and (parameter.is_choice or parameter.name in self._deciding)
-            ):
-                fixed[parameter.name] = formatting.exact(given) if isinstance(given, Fraction) else str(given)
-        words = [f"{name}_{value}" for name, value in fixed.items()]
+                values = [given[name]] if name in given else [value.name for value in parameter.values]
+                choices.append([(name, value) for value in values])
+            elif name in given and not parameter.whole and (parameter.is_choice or name in self._deciding):
+                number = number_of(given, name)
+                fixed[name] = given[name] if parameter.is_choice or number is None else number
         for combination in itertools.product(*choices):
-            yield frozenset((*combination, *words)), fixed
+            yield frozenset(known_values(self.edition, {**dict(combination), **fixed})), fixed
 
     def _files(self, direction: Direction, known: frozenset[str], fixed: Assignment) -> Sequence[DbcFile]:
         """The files of a direction for known values: those of tables, then the plain one."""

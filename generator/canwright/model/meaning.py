@@ -37,6 +37,8 @@ _UNORDERED = frozenset(
 )
 """The attributes that are in the order of the spec, which changes no frame."""
 
+_SCALARS = frozenset((type(None), bool, int, Fraction, str, bytes, range))
+
 
 def meaning_hash(item: object) -> str:
     """The SHA-256 of the meaning of a part of the model, in hex: of its canonical form, with exact numbers."""
@@ -63,6 +65,8 @@ class _Canonical:
         return self._text(value)
 
     def _text(self, value: object) -> str:
+        if type(value) in _SCALARS:
+            return ascii(value)
         if dataclasses.is_dataclass(value):
             return self.digest(value)
         if isinstance(value, Enum):
@@ -71,8 +75,6 @@ class _Canonical:
             return str(sorted((ascii(key), self._text(content)) for key, content in value.items()))
         if isinstance(value, tuple):
             return str([*map(self._text, value)])
-        if value is None or isinstance(value, (int, Fraction, str, bytes, range)):
-            return ascii(value)
         raise TypeError(f"no canonical form of {type(value).__name__}")
 
 

@@ -383,7 +383,7 @@ class Command:
         fields = self.request.layout.fields if self.request else ()
         return [(field, member) for field in fields for name, member in field.type.exemptions if name == effect.name]
 
-    @property
+    @cached_property
     def from_each(self) -> tuple[int, ...]:
         """The nodes that reply, one frame each in this order; empty when only the addressed node does."""
         return tuple(node for reply in self.replies for node in reply.from_each)

@@ -9,7 +9,7 @@ from .log_frame import LogFrame
 
 MAX_KEPT = 1 << 14
 """The maximum number of frames of a log that are kept."""
-MAX_STREAMED = 1 << 12
+MAX_STREAMED = 1 << 11
 """The maximum number of frames of a stream that are kept: it is read again and again."""
 BLOCK = 128
 """The number of consecutive frames that are kept together, so that requests and their replies are."""

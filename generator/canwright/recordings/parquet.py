@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from ..model.types import Encoding
 from ..targets.columns.view import columns_of, tables_of
 from .exports import bus_name
 from .packages import require
-from .rows import Row, RowForm, elements
+from .rows import Row, elements
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -93,58 +93,59 @@ class _LayoutTable:
         self.rows: list[Row] = []
 
     def batch(self) -> pa.RecordBatch:
-        """The rows as columns."""
+        """The rows as columns, in the order of the log."""
         import pyarrow as pa
 
-        recorded, number, node, _, direction, rule, message, _, _, request, latency, _ = _columns_of(
-            row.judged for row in self.rows
-        )
-        time, bus, _, _ = _columns_of(recorded)
-        columns = [
-            number,
-            time,
-            [*map(bus_name, bus)],
-            node,
-            [each and each.value for each in direction],
-            [each.value for each in rule],
-            [each.command for each in message],
-            request,
-            latency,
+        fields = {form: tuple(column.field for column in form.columns) for form in {row.form for row in self.rows}}
+        alike: dict[Sequence[Field], list[Row]] = {}
+        for row in self.rows:
+            alike.setdefault(fields[row.form], []).append(row)
+        parts = [self._part(having, rows) for having, rows in alike.items()]
+        if len(parts) == 1:
+            return parts[0]
+        return pa.Table.from_batches(parts).sort_by("number").combine_chunks().to_batches()[0]
+
+    def _part(self, having: Sequence[Field], rows: Sequence[Row]) -> pa.RecordBatch:
+        """Rows with the same fields as columns."""
+        import pyarrow as pa
+
+        judged, forms, cells, _ = zip(*rows, strict=True)
+        recorded, number, _, _, _, _, _, _, _, request, latency, _ = zip(*judged, strict=True)
+        known = {form: at for at, form in enumerate(dict.fromkeys(forms))}
+        of_rows = pa.array([known[form] for form in forms])
+        integer, text = pa.int64(), pa.string()
+        arrays = [
+            pa.array(number, integer),
+            pa.array([frame.time for frame in recorded], integer),
+            pa.array([bus_name(form.bus) for form in known], text).take(of_rows),
+            pa.array([form.node for form in known], integer).take(of_rows),
+            pa.array([form.direction and form.direction.value for form in known], text).take(of_rows),
+            pa.array([form.decided_by.value for form in known], text).take(of_rows),
+            pa.array([form.message and form.message.command for form in known], text).take(of_rows),
+            pa.array(request, integer),
+            pa.array(latency, integer),
         ]
-        for field in self._names:
-            columns += self._values(field)
-        arrays = [pa.array(column, of.type) for column, of in zip(columns, self.schema, strict=True)]
+        listed = [*zip(*cells, strict=True)]
+        for field, names in self._names.items():
+            places = [2 * at for at, each in enumerate(having) if each is field]
+            columns = _columns_of(field, listed, places) if places else [[None] * len(rows)] * 2
+            for name, column in zip(names, columns, strict=True):
+                arrays.append(pa.array(column, self.schema.field(name).type))
         return pa.RecordBatch.from_arrays(arrays, schema=self.schema)
 
-    def _values(self, field: Field) -> tuple[Sequence[object], Sequence[object]]:
-        """The values of a field and its raw integers; None in rows without it."""
-        places = {form: _places(form, field) for form in {row.form for row in self.rows}}
-        listed = [(row.fields, places[row.form]) for row in self.rows]
-        if field.type.no_values:
-            listed = [([_number_or_none(value) for value in fields], own) for fields, own in listed]
-        joined = field.type.joined
-        if field.is_array and joined is None:
-            return [[fields[at + 1] for at in own] or None for fields, own in listed], [
-                [fields[at] for at in own] or None for fields, own in listed
-            ]
-        raws = [fields[own[0]] if own else None for fields, own in listed]
-        if joined is not None:
-            raws = [None if raw is None else elements(joined, raw) for raw in raws]
-        return [fields[own[0] + 1] if own else None for fields, own in listed], raws
 
-
-def _number_or_none(value: object) -> object:
-    """A number; None for the name for no value."""
-    return None if isinstance(value, str) else value
-
-
-def _columns_of(rows: Iterable[Sequence[Any]]) -> Iterator[Sequence[Any]]:
-    return zip(*rows, strict=True)
-
-
-def _places(form: RowForm, field: Field) -> Sequence[int]:
-    """The places of the raw integers of a field in the fields of a row."""
-    return [2 * at for at, column in enumerate(form.columns) if column.field is field]
+def _columns_of(field: Field, listed: Sequence[Sequence[Any]], places: Sequence[int]) -> Iterator[Sequence[object]]:
+    """The values of a field and its raw integers, which are at these places of the fields of rows."""
+    raws, values = [listed[at] for at in places], [listed[at + 1] for at in places]
+    joined = field.type.joined
+    if field.type.is_number and not isinstance(joined, JoinedText):
+        values = [[float(value) if isinstance(value, (int, float)) else None for value in column] for column in values]
+    if joined is not None:
+        yield from (values[0], [elements(joined, raw) for raw in raws[0]])
+    elif field.is_array:
+        yield from ([*zip(*values, strict=True)], [*zip(*raws, strict=True)])
+    else:
+        yield from (values[0], raws[0])
 
 
 def _columns(field: Field, name: str, raw_name: str) -> tuple[pa.Field, pa.Field]:

@@ -50,10 +50,12 @@ class Cell(NamedTuple):
 
 
 class Limit(NamedTuple):
-    """A range of a type as text, and whether the raw integer and value of a column are outside."""
+    """A range of a column as text; `accepts` what is at the place of its raw integers or values in the fields of a row."""
 
+    column: int
+    place: int
     text: str
-    is_outside: Callable[[int, CellValue], bool]
+    accepts: Callable[[Any], bool]
 
 
 _Reader = tuple[bool, Callable[[int], int], Callable[[int], CellValue]]
@@ -79,8 +81,7 @@ class RowForm:
     """For each column: whether it is in the id, its raw integer in the id or in the data as one integer, and its value."""
     numbers: Sequence[bool]
     """For each column, whether all values are numbers."""
-    limits: Sequence[tuple[int, Limit]]
-    """The positions of columns whose values can be outside their range, with the limits."""
+    limits: Sequence[Limit]
     counters: Sequence[tuple[int, CounterRole]]
     """The positions of columns that are counters."""
 
@@ -94,9 +95,7 @@ class RowForm:
             fields += raw, value(raw)
         implausible: Sequence[tuple[int, str]] = ()
         if self.limits:
-            implausible = [
-                (at, limit.text) for at, limit in self.limits if limit.is_outside(fields[2 * at], fields[2 * at + 1])
-            ]
+            implausible = [(at, text) for at, place, text, accepts in self.limits if not accepts(fields[place])]
         return new_tuple(Row, (judged, self, fields, implausible))
 
 
@@ -165,29 +164,28 @@ class RowReader:
                 field.type.joined is None and _scale(field.type, assignment) is not None for field, _, _ in listed
             ),
             limits=tuple(
-                (at, limit)
+                limit
                 for at, (field, _, _) in enumerate(listed)
                 if not field.counter  # the summary of its gaps counts its values
-                for limit in _limits(field, assignment)
+                for limit in _limits(at, field.type, assignment)
             ),
             counters=tuple((at, field.counter) for at, (field, _, _) in enumerate(listed) if field.counter),
         )
         return form
 
 
-def _limits(field: Field, assignment: Assignment) -> Iterator[Limit]:
-    """The plausible range of a field, and that of its raw integers as far as the parameters are known."""
-    type_ = field.type
+def _limits(column: int, type_: Type, assignment: Assignment) -> Iterator[Limit]:
+    """The plausible range of a type, and that of its raw integers as far as the parameters are known."""
     if type_.joined is not None or not type_.is_number:
         return
     unit = f" {type_.unit.symbol}" if type_.unit else ""
     if type_.plausible is not None:
-        yield Limit(f"{formatting.span(type_.plausible)}{unit}", lambda _, value: not type_.is_plausible(value))
+        yield Limit(column, 2 * column + 1, f"{formatting.span(type_.plausible)}{unit}", type_.is_plausible)
     if not type_.accepts_every_raw:
-        span, rejects = type_.raw_range.at(assignment), Encoder(assignment).rejects_raw
+        span = type_.raw_range.at(assignment)
         kind = "" if type_.encoding is Encoding.FLOAT else "raw "
         text = f"{kind}{formatting.span(span)}{'' if kind else unit}" if span else "the finite numbers"
-        yield Limit(text, lambda raw, _: rejects(field, raw) is not None)
+        yield Limit(column, 2 * column, text, Encoder(assignment).accepts(type_))
 
 
 def _fields(message: Message, assignment: Assignment) -> tuple[Sequence[Field], Sequence[str]]:

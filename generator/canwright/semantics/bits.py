@@ -9,7 +9,10 @@ from ..model.layout import Segment, Space
 
 def placed(segments: Iterable[Segment], raw: int) -> int:
     """The bits of a raw integer at their position."""
-    return sum((raw >> s.raw_low & (1 << s.width) - 1) << s.byte * 8 + s.low for s in segments)
+    bits = 0
+    for s in segments:
+        bits |= (raw >> s.raw_low & (1 << s.width) - 1) << s.byte * 8 + s.low
+    return bits
 
 
 def data_bits(places: Iterable[tuple[Space, Sequence[Segment]]]) -> int:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 
@@ -43,6 +43,10 @@ Number = int | float | Decimal | Fraction
 
 SPECIAL = ("nan", "inf", "-inf")
 
+_FrameStep = CheckField | WriteFixed | WriteCode | WriteParameter | WriteField | WriteChecksum
+_OF_MESSAGE = CheckAvailable, CheckCode, CheckNode, NeedParameter, ChooseFields, CheckMeaning
+"""The steps that concern the message, not its fields and bits."""
+
 
 class Encoders:
     """An encoder for each set of parameters, created on first use."""
@@ -66,7 +70,9 @@ class Encoder:
             name: str(value) if isinstance(value, int) else value for name, value in parameters.items()
         }
         self._fields: dict[Message, Mapping[str, Field] | None] = {}
-        self._allows: dict[Type, Callable[[int], bool]] = {}
+        self._steps: dict[Message, Sequence[_FrameStep]] = {}
+        self._rejections: dict[tuple[Message, int | None, int | None], Rejection | None] = {}
+        self._accepts: dict[Type, Callable[[int], bool]] = {}
         self._nearest: dict[Field, Callable[[Fraction], int | Rejection]] = {}
 
     def fields(self, message: Message) -> Mapping[str, Field] | None:
@@ -117,11 +123,7 @@ class Encoder:
         rule = message.id.at(self.assignment)
         assert rule is not None  # decided by `rejects`, before the names of fields are known
         id_, data = rule.base + (node or 0) * rule.node_step, 0
-        for step in message_plan(message).encoding:
-            if isinstance(step, (CheckAvailable, CheckCode, CheckNode, NeedParameter, ChooseFields, CheckMeaning)):
-                continue
-            if step.field is not None and not message.layout.has(step.field, self.assignment):
-                continue
+        for step in self._frame_steps(message):
             if isinstance(step, CheckField):
                 raw = raw_of(step.field)
                 if isinstance(raw, Rejection):
@@ -146,8 +148,22 @@ class Encoder:
         frame = _frame(message, id_, data)
         return _confused(message, frame) or frame
 
+    def _frame_steps(self, message: Message) -> Sequence[_FrameStep]:
+        """The steps that check fields and write bits, of the fields that a message has under these parameters."""
+        if message not in self._steps:
+            steps = (step for step in message_plan(message).encoding if not isinstance(step, _OF_MESSAGE))
+            has = message.layout.has
+            self._steps[message] = [s for s in steps if s.field is None or has(s.field, self.assignment)]
+        return self._steps[message]
+
     def rejects(self, message: Message, node: int | None, code: int | None = None) -> Rejection | None:
         """The reason why the message cannot be sent to or from a node, or with a code; None without one."""
+        key = message, node, code
+        if key not in self._rejections:
+            self._rejections[key] = self._rejects(*key)
+        return self._rejections[key]
+
+    def _rejects(self, message: Message, node: int | None, code: int | None) -> Rejection | None:
         for step in message_plan(message).encoding:
             if isinstance(step, CheckAvailable):
                 for name, values in step.only.items():
@@ -174,15 +190,17 @@ class Encoder:
         if isinstance(raw, list):
             each = (self.rejects_raw(field, element) for element in raw)
             return _wrong_count(field, len(raw)) or next(filter(None, each), None)
-        if field.type.no_value(raw):
+        if self.accepts(field.type)(raw):
             return None
         if field.type.encoding is Encoding.FLOAT and not is_finite(field.type, raw):
             return Rejection(Refusal.NOT_FINITE, f"raw {raw} is no finite number in `{field.name}`", field.name)
-        if field.type not in self._allows:
-            self._allows[field.type] = self._allowed(field.type)
-        if self._allows[field.type](raw):
-            return None
         return Rejection(Refusal.OUT_OF_RANGE, f"raw {raw} is invalid for `{field.name}`", field.name)
+
+    def accepts(self, type_: Type) -> Callable[[int], bool]:
+        """Whether a raw integer is valid for a type: a finite number in its range, a name, or no value."""
+        if type_ not in self._accepts:
+            self._accepts[type_] = self._accepting(type_)
+        return self._accepts[type_]
 
     def field_raw(self, field: Field, value: Value) -> Raw | Rejection:
         """The raw integer of a value of a field, or a list for an array. Names must be those of the type."""
@@ -237,6 +255,12 @@ class Encoder:
             return "any finite number"
         low, high = type_.raw_limits
         return formatting.span(span) if span else f"raw {low}..{high}"
+
+    def _accepting(self, type_: Type) -> Callable[[int], bool]:
+        allows = self._allowed(type_)
+        if type_.encoding is Encoding.FLOAT:
+            return lambda raw: type_.no_value(raw) is not None or (is_finite(type_, raw) and allows(raw))
+        return (lambda raw: type_.no_value(raw) is not None or allows(raw)) if type_.no_values else allows
 
     def _allowed(self, type_: Type) -> Callable[[int], bool]:
         valid = valid_raws(type_).at(self.assignment) or width_limits(type_)

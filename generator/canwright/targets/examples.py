@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
@@ -220,13 +219,9 @@ def _is_extreme(field: Field, raw: int) -> bool:
 @functools.lru_cache(maxsize=1 << 12)
 def _next_to_limits(type_: Type) -> frozenset[int]:
     """The raw integers that are at most 1 away from a limit of a type."""
-    spans = [span for _, span in type_.raw_range.distinct() if span is not None and span.is_constant]
-    limits: list[int | Fraction] = [
-        *type_.raw_limits,
-        *type_.number_limits,
-        *(end.constant for span in spans for end in (span.low, span.high)),
-    ]
-    return frozenset(near for limit in limits for near in range(math.ceil(limit - 1), math.floor(limit + 1) + 1))
+    valid = [raws for _, raws in valid_raws(type_).distinct() if isinstance(raws, RawInterval)]
+    limits = {*type_.raw_limits, *type_.number_limits, *(end for raws in valid for end in (raws.low, raws.high))}
+    return frozenset(near for limit in limits for near in range(limit - 1, limit + 2))
 
 
 def _shown(message: Message | None, frames: Sequence[GoldenFrame], first: GoldenFrame | None) -> Iterator[GoldenFrame]:

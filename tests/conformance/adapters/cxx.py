@@ -104,5 +104,6 @@ def _field(names: CxxView, field: Field, view: FieldView) -> dict[str, Any]:
         "no_value": f"{type_.view.name}_no_value" if field.type.no_values else "",
         "macros": [(m.name, f"{type_.view.name}_{m.name}".upper()) for m in (*field.type.no_values, *field.type.names)],
         "joined": type_.view.joined,
+        "is_text": type_.view.is_text,
         "type": type_.name,
     }

@@ -266,13 +266,17 @@ class ExchangeSimulation:
 
     def _identified(self, case: _Case, sent: Message, read: Message | None) -> Iterator[Witness]:
         """The frames of a message that are another message, or none; with the correct id, and with the sender's."""
+        of_ids = True  # no parameter that varies here affects an id, so ids are tried once
         for assignment in self._assignments.of(case.parameters):
             if not all(command.available(assignment) for command in case.both):
                 continue
             seen: set[object] = set()
             for known in (assignment, *self._with_other_ranges(assignment, sent)):
                 transfer = _Transfer(case, sent, read, known, self._assignments.encoder(known))
-                for trial in self._frames(transfer):
+                trials = self._frames(transfer)
+                if of_ids:
+                    trials, of_ids = itertools.chain(trials, self._frames_of_ids(transfer)), False
+                for trial in trials:
                     outcome = self._outcome(transfer, trial)
                     if outcome is None:
                         continue
@@ -327,10 +331,7 @@ class ExchangeSimulation:
         yield self._made(back, about, placed, facts, known, misread.paths, (command,), exists=exists)
 
     def _frames(self, transfer: _Transfer) -> Iterator[_Trial]:
-        """Frames of a message: with the ids of the receiver for all decisions, then with those of the sender.
-
-        A message that uses another address is only tried with the ids of the sender.
-        """
+        """Frames of a message for all decisions: with the ids of the receiver, if it uses the same address."""
         case, sent, read, _, encoder = transfer
         direction, (decoder, receiver) = sent.direction, self._decoders[case.side]
         common = self._common_node(sent, read or sent)
@@ -349,9 +350,13 @@ class ExchangeSimulation:
                     for code in sent.accepted_codes:
                         accepted = candidates.with_first_key(sent, candidate, code)
                         yield _Trial(common, accepted, exists=candidate == original)
+
+    def _frames_of_ids(self, transfer: _Transfer) -> Iterator[_Trial]:
+        """Frames of a message with the ids of the sender, if those of the receiver differ."""
+        sent, read = transfer.sent, transfer.read
         if read is not None and read.id != sent.id:
             for node in _nodes(sent.id):
-                base = next(Sender(encoder, sent, node).samples(), None)
+                base = next(Sender(transfer.encoder, sent, node).samples(), None)
                 if base is not None:
                     yield _Trial(node, base, is_of_id=True)
 

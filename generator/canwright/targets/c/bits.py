@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 from ...model.exhaustive import assert_never
-from ...model.layout import (
-    ChecksumRole,
-    Field,
-    FixedRole,
-    GivenRole,
-    ParameterRole,
-    Segment,
-    Space,
-)
+from ...model.layout import Field, Segment, Space
 from ...model.message import BitRun, Confusion, Key
-from ...semantics.plan import CheckConstant
+from ...semantics.plan import (
+    CheckAvailable,
+    CheckCode,
+    CheckConstant,
+    CheckField,
+    CheckMeaning,
+    CheckNode,
+    ChooseFields,
+    EncodingStep,
+    NeedParameter,
+    WriteChecksum,
+    WriteCode,
+    WriteField,
+    WriteFixed,
+    WriteParameter,
+)
 from .expressions import Integer, integer, joined, operand, raw_of, smallest, working
+from .names import member
 
 
 def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") -> str:
@@ -131,7 +139,7 @@ def _write_segment(space: Space, width: int, name: str, s: Segment) -> Write:
 
 
 def write_fields(
-    fields: Sequence[Field], members: Mapping[str, str], shared: Iterable[int], values: Mapping[str, str]
+    steps: Iterable[EncodingStep], fields: Container[Field], shared: Container[int], values: Mapping[Field, str]
 ) -> Iterator[Write]:
     """Writes fields except the checksum into a frame whose data bytes are 0; bytes that are `shared` already contain a key.
 
@@ -140,36 +148,39 @@ def write_fields(
     terms: dict[int, list[str]] = {}
     fixed: dict[int, int] = {}
     partial: set[int] = set()
-    for field in fields:
-        role = field.role
-        for number, s in ((number, s) for number, element in enumerate(field.elements) for s in element.segments):
-            match role:
-                case FixedRole() if field.space is Space.ID:
-                    yield Write(None, f"0x{_piece(role.raw, s):X}u")
-                case FixedRole():
-                    fixed[s.byte] = fixed.get(s.byte, 0) | _piece(role.raw, s)
-                case GivenRole() | ParameterRole():
-                    bits = _write(field, _member(field, members, values, number), s)
-                    if field.space is Space.ID:
-                        yield Write(None, bits)
+    for step in steps:
+        match step:
+            case WriteFixed():
+                for s in step.segments if step.field in fields else ():
+                    if step.space is Space.ID:
+                        yield Write(None, f"0x{_piece(step.raw, s):X}u")
                     else:
-                        terms.setdefault(s.byte, []).append(bits)
-                        partial.update([s.byte] if s.width < 8 else [])
-                case ChecksumRole():
-                    pass
-                case _:
-                    assert_never(role)
+                        fixed[s.byte] = fixed.get(s.byte, 0) | _piece(step.raw, s)
+            case WriteParameter() | WriteField():
+                field = step.field
+                for number, element in enumerate(field.elements if field in fields else ()):
+                    item = f"message->{member(field.name)}" + (f"[{number}]" if field.is_array else "")
+                    raw = (
+                        f"({integer(field.type).name}){values[field]}" if field in values else raw_of(field.type, item)
+                    )
+                    for s in element.segments:
+                        bits = _write(field, raw, s)
+                        if field.space is Space.ID:
+                            yield Write(None, bits)
+                        else:
+                            terms.setdefault(s.byte, []).append(bits)
+                            partial.update([s.byte] if s.width < 8 else [])
+            case CheckAvailable() | CheckCode() | CheckNode() | NeedParameter() | WriteCode() | CheckMeaning():
+                pass  # the function of the message
+            case ChooseFields() | CheckField() | WriteChecksum():
+                pass  # `chooses`, `check` and `checksum` of the layout
+            case _:
+                assert_never(step)
     for byte in sorted({*terms, *fixed}):
         before = [f"frame->data[{byte}]"] if byte in shared else []
         constant = [f"0x{fixed[byte]:02X}u"] if byte in fixed else []
         every = [*before, *terms.get(byte, []), *constant]
         yield Write(byte, f"(uint8_t)({joined('|', every)})" if len(every) > 1 or byte in partial else every[0])
-
-
-def _member(field: Field, members: Mapping[str, str], values: Mapping[str, str], number: int) -> str:
-    if field.name in values:
-        return f"({integer(field.type).name}){values[field.name]}"
-    return raw_of(field.type, f"message->{members[field.name]}" + (f"[{number}]" if field.is_array else ""))
 
 
 def _piece_of(number: str, kind: Integer, s: Segment, *, is_masked: bool = True) -> str:

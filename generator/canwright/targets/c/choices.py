@@ -8,7 +8,6 @@ from fractions import Fraction
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from ...model.edition import Edition
-from ...model.formatting import english
 from ...model.message import Command
 from ...model.types import ByParameter, Parameter
 from .names import Names, member
@@ -27,7 +26,7 @@ T = TypeVar("T")
 A = TypeVar("A", bound=Alternative)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Branch(Generic[T]):
     """The value under some labels of a `switch`."""
 
@@ -52,22 +51,6 @@ class Choice(Generic[A]):
         return self.subject is not None or self.otherwise.uses_parameters
 
 
-class EnumeratorView(NamedTuple):
-    name: str
-    number: int
-
-
-class ParameterView(NamedTuple):
-    """A member of the struct of parameters; a choice has enumerators."""
-
-    kind: str
-    member: str
-    doc: tuple[str, ...]
-    title: str
-    unknown: str
-    enumerators: tuple[EnumeratorView, ...]
-
-
 def choose(names: Names, dependent: ByParameter[T], view: Callable[[T | None], A], unknown: A) -> Choice[A]:
     """The views of a dependent value by parameter value; `unknown` if the parameter is not given."""
     if dependent.parameter is None:
@@ -79,8 +62,7 @@ def choose(names: Names, dependent: ByParameter[T], view: Callable[[T | None], A
     if not grouped:
         return Choice(subject=None, cases=(), otherwise=unknown)
     cases = (
-        Branch(labels=tuple(names.upper(dependent.parameter, v) for v in values), value=value)
-        for value, values in grouped.items()
+        Branch(tuple(names.upper(dependent.parameter, v) for v in values), value) for value, values in grouped.items()
     )
     return Choice(subject=parameter_access(dependent.parameter), cases=tuple(cases), otherwise=unknown)
 
@@ -114,6 +96,11 @@ def parameter_literal(names: Names, parameter: Parameter, value: str | Fraction 
     return f"{{{number.numerator}, {0 if value is None else number.denominator}u}}"
 
 
+def parameter_kind(names: Names, parameter: Parameter) -> str:
+    """The C type of a parameter."""
+    return names.lower(parameter.name, "t") if parameter.is_choice else "canwright_ratio_t"
+
+
 def lacks(names: Names, edition: Edition, command: Command, comparison: str = "==") -> list[str]:
     """The comparisons of a parameter with each value under which a node does not have a command."""
     return [
@@ -124,33 +111,9 @@ def lacks(names: Names, edition: Edition, command: Command, comparison: str = "=
     ]
 
 
-def parameters(names: Names, edition: Edition) -> list[ParameterView]:
-    return [_parameter(names, parameter) for parameter in edition.parameters]
-
-
 def enumerator_numbers(parameter: Parameter) -> Mapping[str, int]:
     """The number of each value: its own if all fit, else its position from 1; 0 means unknown."""
     own = {v.name: v.number for v in parameter.values if v.number is not None and 0 < v.number <= ENUM_MAX}
     if len(own) == len(parameter.values):
         return own
     return {v.name: place for place, v in enumerate(parameter.values, 1)}
-
-
-def _parameter(names: Names, parameter: Parameter) -> ParameterView:
-    title, about = english(parameter.title), english(parameter.about)
-    doc = tuple(text for text in (title + ".", about) if text)
-    if not parameter.is_choice:
-        return ParameterView(
-            kind="canwright_ratio_t", member=member(parameter.name), doc=doc, title=title, unknown="", enumerators=()
-        )
-    numbers = enumerator_numbers(parameter)
-    return ParameterView(
-        kind=names.lower(parameter.name, "t"),
-        member=member(parameter.name),
-        doc=doc,
-        title=title,
-        unknown=names.upper(parameter.name, "unknown"),
-        enumerators=tuple(
-            EnumeratorView(names.upper(parameter.name, v.name), numbers[v.name]) for v in parameter.values
-        ),
-    )

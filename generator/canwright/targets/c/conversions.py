@@ -61,8 +61,6 @@ class ConversionView(NamedTuple):
     from_: Choice[Formula]
     wide: str
     check: Choice[Condition] | None
-    has_value: str
-    """The function for whether a raw integer is a number; empty if all are."""
 
     @property
     def to_parameters(self) -> bool:
@@ -206,13 +204,7 @@ def _milli(
         from_=by_scale(names, type_, from_),
         wide=integer(type_).name,
         check=None if has_constant_limits(type_) else valid,
-        has_value=has_value_function(names, type_),
     )
-
-
-def has_value_function(names: Names, type_: Type) -> str:
-    """The name of the function for whether a raw integer of a type is a number; empty if all are."""
-    return names.lower(names.type_stem(type_), "has_value") if type_.no_values else ""
 
 
 def by_scale(names: Names, type_: Type, formula: Callable[[Linear], Formula]) -> Choice[Formula]:

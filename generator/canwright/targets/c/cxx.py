@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...model.edition import Edition
@@ -13,6 +12,7 @@ from ...model.message import Direction, Message
 from ...model.types import Parameter, Type
 from ...semantics.plan import value_fields
 from . import messages as c
+from .choices import parameter_kind
 from .conversions import ConversionView
 from .examples import ExchangeView
 from .layouts import MemberView
@@ -69,41 +69,25 @@ class Conversion(NamedTuple):
     view: ConversionView
 
 
-@dataclass(frozen=True, kw_only=True)
 class TypeTraits:
     """A type; `named` is the enumeration of its values, `flags` that of its flags, empty without any."""
 
-    name: str
-    view: TypeView
-    named: str
-    flags: str
-
-    @property
-    def integer(self) -> str:
+    def __init__(self, type_: Type, name: str, view: TypeView, enum: str) -> None:
+        self.name, self.view = name, view
+        self.named, self.flags = (enum, "") if type_.enum else ("", enum)
+        self.integer = f"::{'' if view.is_float else 'std::'}{view.kind}"
         """The raw integer; for a float, the struct of C with its bits."""
-        return f"::{'' if self.view.is_float else 'std::'}{self.view.kind}"
-
-    @property
-    def member(self) -> str:
+        self.member = self.integer if view.is_float else f"::canwright::raw<{self.integer}>"
         """A member, which takes no number in floating point."""
-        return self.integer if self.view.is_float else f"::canwright::raw<{self.integer}>"
-
-    @property
-    def conversions(self) -> list[Conversion]:
-        view = self.view
-        names = {"float": "single", "double": "value", "milli": "milli"} if not (self.named or self.flags) else {}
-        every = ((name, unit, view.conversions.get(unit)) for unit, name in names.items())
-        return [
-            Conversion(name, f"{view.name}_to_{unit}", f"{view.name}_from_{unit}", conversion)
-            for name, unit, conversion in every
-            if conversion is not None
+        names = {} if enum else {"float": "single", "double": "value", "milli": "milli"}
+        self.conversions = [
+            Conversion(name, f"{view.name}_to_{unit}", f"{view.name}_from_{unit}", view.conversions[unit])
+            for unit, name in names.items()
+            if unit in view.conversions
         ]
-
-    @property
-    def lacking(self) -> list[str]:
+        there = {"value"} if self.named else {conversion.name for conversion in self.conversions}
+        self.lacking = [name for name in ("value", "single", "milli") if name not in there]
         """The conversions that it does not have."""
-        there = {conversion.name for conversion in self.conversions} | ({"value"} if self.named else set())
-        return [name for name in ("value", "single", "milli") if name not in there]
 
 
 class Presence(NamedTuple):
@@ -115,8 +99,7 @@ class Presence(NamedTuple):
     values: tuple[str, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
-class FieldView:
+class FieldView(NamedTuple):
     """A field of a layout; `length` is that of an array, else 0. `presence` is empty for a field of all nodes."""
 
     tag: Enumerator
@@ -143,7 +126,6 @@ class MessageView(NamedTuple):
     name: str
     title: str
     layout: str
-    which: str
     code: str
     reply: str
     replies: str
@@ -152,37 +134,10 @@ class MessageView(NamedTuple):
 
 
 class AnyView(NamedTuple):
-    """Any message of one direction; `messages` are those that a frame can be, each with its member of the union."""
+    """Any message of one direction; `messages` are those that a frame can be."""
 
-    name: str
     direction: DirectionView
-    messages: tuple[tuple[MessageView, str], ...]
-
-
-class CxxExample(NamedTuple):
-    """The messages of an exchange, and a field of the reply with its conversion to a value.
-
-    The latter are None if no field of the reply is a number with a scale.
-    """
-
-    request: MessageView
-    reply: MessageView
-    field: FieldView | None
-    conversion: Conversion | None
-
-    @property
-    def needs_parameters(self) -> bool:
-        """Whether reading the field depends on parameters."""
-        return self._has_presence or (self.conversion is not None and self.conversion.view.to_parameters)
-
-    @property
-    def is_result(self) -> bool:
-        """Whether reading the field can fail."""
-        return self._has_presence or (self.conversion is not None and self.conversion.view.to_fails)
-
-    @property
-    def _has_presence(self) -> bool:
-        return self.field is not None and bool(self.field.presence)
+    messages: tuple[MessageView, ...]
 
 
 class CxxView:
@@ -192,7 +147,7 @@ class CxxView:
         self._edition, self._view, self._names = edition, view, view.names
         messages = edition.all_messages()
         choices = [p for p in edition.parameters if p.is_choice]
-        enums = [t for t in edition.types if (t.enum or t.flags) and view.has(t)]
+        enums = [t for t in edition.types if (t.enum or t.flags) and t in view.of_type]
         stems = (*(p.name for p in choices), *map(self._stem, enums))
         free = _distinct((*(self._names.short(m.name) for m in messages), *stems), OWN_NAMES)
         self._message_names = {m.name: next(free) for m in messages}
@@ -205,7 +160,10 @@ class CxxView:
         self._layouts = dict(zip(self._fields, _distinct(layout.name for layout in self._fields), strict=True))
         types = {f.type.name: f.type for own in self._fields.values() for f in own}.values()
         names = _distinct(map(self._stem, types), TYPE_NAMES)
-        self._types = {type_.name: self._type(type_, name) for type_, name in zip(types, names, strict=True)}
+        self._types = {
+            type_.name: TypeTraits(type_, name, view.of_type[type_], self._enums.get(type_, ""))
+            for type_, name in zip(types, names, strict=True)
+        }
         self.types = list(self._types.values())
         presences = dict.fromkeys(
             (layout.parameter or "", *field.only) for layout, own in self._fields.items() for field in own if field.only
@@ -216,7 +174,7 @@ class CxxView:
         self.namespace = f"{member(edition.family)}::{edition.identifier}"
         self.enums = list(self._enumerations())
         self.parameters = [
-            ParameterSetter(member(p.name), self._names.lower(p.name, "t"), self._enums.get(p, ""))
+            ParameterSetter(member(p.name), parameter_kind(self._names, p), self._enums.get(p, ""))
             for p in edition.parameters
         ]
         self.layouts = [
@@ -224,15 +182,12 @@ class CxxView:
             for layout, name in self._layouts.items()
         ]
         self.messages = [self._message(m) for m in messages]
-        self.any = [self._any(d) for d in view.directions if d.decode]
+        self.any = [
+            AnyView(d, tuple(m for m in self.messages if m.message.direction == d.word))
+            for d in view.directions
+            if d.decode
+        ]
         """Any message of each direction."""
-
-    def _any(self, direction: DirectionView) -> AnyView:
-        """The messages that the decoder of any frame returns."""
-        decoded = [message for message in self.messages if message.message.direction == direction.word]
-        by_command = direction.by_command
-        members = tuple((view, by_command[view.which].member if view.layout else "") for view in decoded)
-        return AnyView(f"any_{direction.word}", direction, members)
 
     def _stem(self, type_: Type) -> str:
         return self._names.type_stem(type_)
@@ -250,18 +205,9 @@ class CxxView:
                 members = _enumerators([(names.upper(item.name, value), value) for value in values])
                 yield EnumView(name, "int", f"{english(item.title)}.", members)
             else:
-                type_ = view.type(item)
+                type_ = view.of_type[item]
                 members, function = _enumerators(type_.names), f"{type_.name}_name"
                 yield EnumView(name, type_.kind, f"{type_.heading}.", members, function, type_.kind)
-
-    def _type(self, type_: Type, name: str) -> TypeTraits:
-        enum = self._enums.get(type_, "")
-        return TypeTraits(
-            name=name,
-            view=self._view.type(type_),
-            named=enum if type_.enum else "",
-            flags=enum if type_.flags else "",
-        )
 
     def _presence(self, name: str, key: tuple[str, ...]) -> Presence:
         parameter, *values = key
@@ -278,13 +224,13 @@ class CxxView:
         for field, view in zip(self._fields[layout], views, strict=False):  # the code may follow
             name, key = member(field.name), (layout.parameter or "", *field.only)
             yield FieldView(
-                tag=self._tags[field.name],
-                doc=view.doc,
-                member=f"{name}_" if name in MESSAGE_NAMES else name,
-                c_member=name,
-                length=len(field.elements) if field.is_array else 0,
-                type=self._types[field.type.name],
-                presence=self._presences[key].name if field.only else "",
+                self._tags[field.name],
+                view.doc,
+                f"{name}_" if name in MESSAGE_NAMES else name,
+                name,
+                len(field.elements) if field.is_array else 0,
+                self._types[field.type.name],
+                self._presences[key].name if field.only else "",
             )
 
     def _message(self, message: Message) -> MessageView:
@@ -294,7 +240,6 @@ class CxxView:
             name=self._message_names[message.name],
             title=f"{message.direction.value} of {message.command}",
             layout=self._layouts.get(message.layout, ""),
-            which=self._names.command(command.name),
             code="" if command.code is None else self._names.upper(command.name, "code"),
             reply=self._message_names[reply.name] if reply else "",
             replies=" ".join(sentence[:1].upper() + sentence[1:] + "." for sentence in further_replies(command)),
@@ -302,13 +247,25 @@ class CxxView:
         )
 
 
-def cxx_example(x: CxxView, exchange: ExchangeView) -> CxxExample:
-    """The example for the documents."""
-    messages = {m.message: m for m in x.messages}
-    request, reply = messages[exchange.request.message], messages[exchange.reply.message]
-    fields = next((layout.fields for layout in x.layouts if layout.name == reply.layout), ())
-    values = ((f, c) for f in fields for c in f.type.conversions if c.name == "value" and not f.length)
-    return CxxExample(request, reply, *next(values, (None, None)))
+class CxxExample:
+    """The messages of an exchange, and a field of the reply with its conversion to a value.
+
+    The latter are None if no field of the reply is a number with a scale.
+    """
+
+    def __init__(self, x: CxxView, exchange: ExchangeView) -> None:
+        messages = {m.message: m for m in x.messages}
+        self.request, self.reply = messages[exchange.request.message], messages[exchange.reply.message]
+        fields = next((layout.fields for layout in x.layouts if layout.name == self.reply.layout), ())
+        values = ((f, c) for f in fields for c in f.type.conversions if c.name == "value" and not f.length)
+        self.field: FieldView | None
+        self.conversion: Conversion | None
+        self.field, self.conversion = next(values, (None, None))
+        has_presence = self.field is not None and bool(self.field.presence)
+        self.needs_parameters = has_presence or (self.conversion is not None and self.conversion.view.to_parameters)
+        """Whether reading the field depends on parameters."""
+        self.is_result = has_presence or (self.conversion is not None and self.conversion.view.to_fails)
+        """Whether reading the field can fail."""
 
 
 def _enumerators(values: Iterable[tuple[str, str]]) -> tuple[Enumerator, ...]:

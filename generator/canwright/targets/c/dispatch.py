@@ -2,50 +2,25 @@
 
 from __future__ import annotations
 
-import itertools
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from ...model.edition import Edition
-from ...model.layout import Layout
-from ...model.message import BitRun, Command, Direction, Message
+from ...model.message import BitRun, Command, Message
 from ...semantics import dispatch
-from ...semantics.dispatch import dispatch_plan
 from ...semantics.exchange import ExchangePlan, exchange_plans
 from . import bits
-from .choices import ENUM_MAX
+from .choices import Branch
 from .expressions import joined, operand
 from .layouts import LayoutView
-from .messages import Messages, frame_id
+from .messages import Messages, MessageView, frame_id
 from .names import Names, address_mask
-
-
-class ContentView(NamedTuple):
-    """A command whose message of one direction has fields: its member in the union."""
-
-    command: str
-    member: str
-
-
-class ContentsView(NamedTuple):
-    """Commands whose messages of one direction have the same layout."""
-
-    layout: LayoutView
-    commands: tuple[ContentView, ...]
-
-    @property
-    def member(self) -> str:
-        """One of the members; all have the same type."""
-        return self.commands[0].member
 
 
 class MatchView(NamedTuple):
     """A command, or a run of commands that differ only in the number, which the expression `command` reads.
 
-    `node` is the node in a field, where the messages of a route differ in it; `other_constant` is the condition for a
-    frame with other constants, `wrong_checksum` for one with another checksum, `code` the value of the member with the
-    code. They are empty otherwise.
+    `node` is the node in a field, where the messages of a route differ in it; `code` is the value of the member with the
+    code. `layout` is that of the `member` of the union to unpack. They are empty otherwise.
     """
 
     command: str
@@ -53,34 +28,31 @@ class MatchView(NamedTuple):
     other_constant: str
     wrong_checksum: str
     code: str
-    unpack: ContentsView | None
+    layout: LayoutView | None
+    member: str
+
+
+Contents = Mapping[LayoutView, Sequence[MessageView]]
+"""The messages of one direction that have fields, by layout; the structs of one layout have the same type."""
 
 
 class RouteView:
     """A route of the dispatch plan, with the expressions for the nodes of the plan below it.
 
-    `unpack` is what follows a match. `numbers` are those of the commands.
+    `contents` are unpacked after a match.
     """
 
-    def __init__(
-        self,
-        names: Names,
-        edition: Edition,
-        views: Messages,
-        route: dispatch.Route,
-        numbers: Mapping[str, int],
-        unpack: Mapping[Layout, ContentsView],
-    ) -> None:
-        self._names, self._views, self._numbers, self._unpack = names, views, numbers, unpack
-        message = route.messages[0]
-        nodes = {views.message(message).node_in_data for message in route.messages}
-        self.rule = views.rule(edition.address(message.address), message.direction)
-        self.frame_id = frame_id(message)
+    def __init__(self, messages: Messages, route: dispatch.Route, contents: Contents) -> None:
+        self._messages, self._contents = messages, contents
+        first = route.messages[0]
+        nodes = {messages.message(message).node_in_data for message in route.messages}
+        pattern = messages.message(first).pattern
+        self.rule, self.frame_id = pattern.rule, pattern.frame_id
         self._has_nodes = len(nodes) > 1
         """Whether each message writes the node that its fields contain."""
         self.node = "" if self._has_nodes else nodes.pop()
         """The node if the id contains none."""
-        self._other_kind = address_mask(edition, message.address, message.direction) & ~route.mask
+        self._other_kind = address_mask(messages.edition, first.address, first.direction) & ~route.mask
         """Bits of the id that are 0 here and that frames of the other kind (remote or not) use."""
         self.then = route.then
         whole, kind = self.rule.whole, joined("&&", [f"({self.frame_id} & 0xC0000000u) == {self.rule.kind}"])
@@ -94,12 +66,16 @@ class RouteView:
 
     def match(self, message: Message, command: str = "") -> MatchView:
         """The view of a message; `command` is an expression of its number."""
-        view = self._views.message(message)
-        node = view.node_in_data if self._has_nodes else ""
-        command = command or self._names.command(message.command)
-        unpack = self._unpack.get(message.layout)
+        view = self._messages.message(message)
+        layout = view.layout if view.layout in self._contents else None
         return MatchView(
-            command, node, view.other_constant, view.wrong_checksum, view.code_read if unpack else "", unpack
+            command or view.enumerator,
+            view.node_in_data if self._has_nodes else "",
+            view.other_constant,
+            view.wrong_checksum,
+            view.code_read if layout else "",
+            layout,
+            self._contents[layout][0].member if layout else "",
         )
 
     def guard(self, node: dispatch.Select) -> str:
@@ -119,13 +95,13 @@ class RouteView:
 
     def cases(self, node: dispatch.Select) -> Iterator[tuple[Sequence[str], MatchView | dispatch.DispatchNode]]:
         """The cases; those that differ only in the command, whose number is that of the case, become one."""
-        number = f"({self._names.lower('command_t')}){self.read(node)}"
+        number = f"({self._messages.names.lower('command_t')}){self.read(node)}"
         is_byte = isinstance(node.subject, BitRun) and bits.is_byte(node.subject.space, node.subject.segments)
         groups: dict[MatchView | tuple[int, ...], list[dispatch.Case]] = {}
         for case in node.cases:
             then = case.then
             key: MatchView | tuple[int, ...] = case.values
-            if is_byte and isinstance(then, dispatch.Match) and key == (self._numbers[then.message.command],):
+            if is_byte and isinstance(then, dispatch.Match) and key == (self._messages.numbers[then.message.command],):
                 key = self.match(then.message, number)
             groups.setdefault(key, []).append(case)
         for key, cases in groups.items():
@@ -133,56 +109,29 @@ class RouteView:
             yield labels, key if isinstance(key, MatchView) and len(cases) > 1 else cases[0].then
 
 
-class CommandsView(NamedTuple):
-    """Commands for which a function returns the same value."""
-
-    commands: tuple[str, ...]
-    value: str
-
-
-def grouped(names: Names, values: Iterable[tuple[Command, str]]) -> list[CommandsView]:
-    """Commands with their values, by value."""
+def grouped(names: Names, values: Iterable[tuple[Command, str]]) -> list[Branch[str]]:
+    """The values of commands as cases of a `switch`."""
     groups: dict[str, list[str]] = {}
     for command, value in values:
         groups.setdefault(value, []).append(names.command(command.name))
-    return [CommandsView(tuple(commands), value) for value, commands in groups.items()]
-
-
-def command_numbers(edition: Edition) -> Mapping[str, int]:
-    """The number of each command: its code if no other command has it, else a free number of at least two bytes.
-
-    With the code as number, one statement is enough for all codes whose messages are read in the same way.
-    """
-    times = Counter(command.code for command in edition.commands)
-    codes = {c.name: c.code for c in edition.commands if c.code and times[c.code] == 1 and c.code <= ENUM_MAX}
-    taken = set(codes.values())
-    free = (number for number in itertools.count(0x100) if number not in taken)
-    return {command.name: codes.get(command.name) or next(free) for command in edition.commands}
-
-
-def routes(
-    names: Names, edition: Edition, views: Messages, direction: Direction, unpack: Mapping[Layout, ContentsView]
-) -> list[RouteView]:
-    """The routes of the dispatch plan, in the order in which they are tried; `unpack` is what follows a match."""
-    numbers = command_numbers(edition)
-    plan = dispatch_plan(edition, direction)
-    return [RouteView(names, edition, views, route, numbers, unpack) for route in plan.routes]
+    return [Branch(tuple(commands), value) for value, commands in groups.items()]
 
 
 def _labels(subject: dispatch.Discriminator, values: Sequence[int]) -> Sequence[str]:
     return bits.labels(subject, values) if isinstance(subject, BitRun) else [f"{value}u" for value in values]
 
 
-def answers(names: Names, edition: Edition, views: Messages) -> list[CommandsView]:
+def answers(messages: Messages) -> list[Branch[str]]:
     """The conditions under which `reply` answers a request, by command."""
-    every = (plans for plans in exchange_plans(edition).values() if plans)
-    return grouped(names, ((p[0].command, joined("||", [joined("&&", _answer(views, x)) for x in p])) for p in every))
+    every = (plans for plans in exchange_plans(messages.edition).values() if plans)
+    conditions = ((p[0].command, joined("||", [joined("&&", _answer(messages, x)) for x in p])) for p in every)
+    return grouped(messages.names, conditions)
 
 
-def _answer(views: Messages, plan: ExchangePlan) -> Iterator[str]:
+def _answer(messages: Messages, plan: ExchangePlan) -> Iterator[str]:
     """The conditions under which `reply` is one of the replies."""
     reply = plan.reply
-    message = views.message(reply)
+    message = messages.message(reply)
     rule = message.pattern.rule
     if not plan.is_echo:
         node = "&from, " if rule.has_nodes else ""
@@ -200,7 +149,7 @@ def _answer(views: Messages, plan: ExchangePlan) -> Iterator[str]:
         yield "from == to"
     yield from _node_fields(plan)
     if plan.is_echo:
-        yield f"canwright_{views.fd}same_data(request, reply)"
+        yield f"canwright_{messages.fd}same_data(request, reply)"
 
 
 def _node_fields(plan: ExchangePlan) -> Iterator[str]:
@@ -227,9 +176,7 @@ def _low_bits(node: str, key: BitRun | None, width: int) -> str:
     return node if key is not None and key.width == width else f"({node} & 0x{(1 << width) - 1:X}u)"
 
 
-def _answering_codes(
-    request: Message, reply: Message, codes: tuple[tuple[str, ...], ...]
-) -> tuple[tuple[str, ...], ...]:
+def _answering_codes(request: Message, reply: Message, codes: Sequence[tuple[str, ...]]) -> Sequence[tuple[str, ...]]:
     """The codes of a reply; if the request has the same, the expressions that read them, equal for all commands."""
     if request.keys == reply.keys and not (request.accepted_codes or reply.accepted_codes):
         return (tuple(operand(bits.key_value(key, "request")) for key in request.keys),)

@@ -30,6 +30,11 @@ def call(function: str, *arguments: str) -> str:
     return f"{function}({', '.join(filter(None, arguments))})"
 
 
+def braces(*parts: str) -> str:
+    """An initializer."""
+    return f"{{{', '.join(parts)}}}"
+
+
 class Integer(NamedTuple):
     """An integer type of <stdint.h>."""
 
@@ -100,7 +105,7 @@ def raw_of(type_: Type, item: str) -> str:
 
 def stored_literal(type_: Type, raw: int) -> str:
     """The initializer of a member."""
-    return f"{{{integer(type_).bits(raw)}}}" if type_.encoding is Encoding.FLOAT else integer(type_).literal(raw)
+    return braces(integer(type_).bits(raw)) if type_.encoding is Encoding.FLOAT else integer(type_).literal(raw)
 
 
 def working(width: int) -> Integer:

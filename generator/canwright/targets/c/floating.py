@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ...model.types import Encoding, Linear, Type
 from .choices import Choice
-from .conversions import ABOVE, BELOW, ConversionView, Formula, by_scale, factor, has_value_function, nearest, ratio
+from .conversions import ABOVE, BELOW, ConversionView, Formula, by_scale, factor, nearest, ratio
 from .expressions import INT64, UINT64, Integer, common, integer, joined, operand, stored
 from .names import Names
 from .validity import Condition, constant_limits, has_constant_limits
@@ -85,7 +85,6 @@ def floating(names: Names, type_: Type, valid: Choice[Condition] | None, format_
         from_=by_scale(names, type_, from_),
         wide=stored(type_) if is_float else _wide(type_).name,
         check=valid if is_float or not has_constant_limits(type_) else None,
-        has_value=has_value_function(names, type_),
     )
 
 

@@ -11,9 +11,9 @@ from ...model.edition import Edition
 from ...model.exhaustive import assert_never
 from ...model.formatting import english
 from ...model.golden_frames import RawValue
-from ...model.layout import CounterRole, Field, Layout, Variant
+from ...model.layout import Field, Layout, Variant
 from ...model.message import Message
-from ...model.types import Encoding
+from ...model.types import Type
 from ...semantics.plan import (
     CheckChecksum,
     CheckConstant,
@@ -26,17 +26,17 @@ from ...semantics.plan import (
     message_plan,
 )
 from . import bits
-from .checksums import checksum_view
-from .choices import Branch, Whole, parameter_access, whole
-from .expressions import Integer, integer, joined, operand, raw_of, stored_literal, working
+from .checksums import ChecksumView
+from .choices import Branch, parameter_access, whole
+from .expressions import Integer, braces, integer, joined, operand, raw_of, smallest, stored_literal, working
 from .names import Names, member
-from .text import errata, field_facts, literal, with_deprecation
+from .text import errata, field_facts, heading, literal, with_deprecation
 from .types import TypeView
 from .validity import is_nan
 
 T = TypeVar("T")
-Types = Mapping[str, TypeView]
-"""The types that fields use, by their name in C."""
+Types = Mapping[Type, TypeView]
+"""The types that fields use."""
 
 
 class Place(NamedTuple):
@@ -55,14 +55,14 @@ class MemberView(NamedTuple):
     doc: str
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Body(Generic[T]):
     """Steps of all variants of a layout, before or after those of each case of a `switch` over `subject`."""
 
-    before: tuple[T, ...]
-    subject: str | None
-    cases: tuple[Branch[tuple[T, ...]], ...]
-    after: tuple[T, ...]
+    before: Sequence[T]
+    subject: str | None = None
+    cases: Sequence[Branch[Sequence[T]]] = ()
+    after: Sequence[T] = ()
 
     @property
     def steps(self) -> list[T]:
@@ -76,7 +76,7 @@ class FieldCheck(NamedTuple):
     condition: str
     status: str
     elements: int
-    uses_parameters: bool
+    uses_parameters: bool = False
 
 
 class FieldRead(NamedTuple):
@@ -85,16 +85,6 @@ class FieldRead(NamedTuple):
     member: str = ""
     value: str = ""
     constant_differs: str = ""
-
-
-class CounterView(NamedTuple):
-    """The name of the functions of a counter, its field, its C type, and the ends of its range."""
-
-    name: str
-    field: str
-    kind: str
-    first: str
-    last: str
 
 
 class FieldShow(NamedTuple):
@@ -112,15 +102,15 @@ class LayoutView:
         messages = edition.of_layout(layout)
         plan = message_plan(messages[0])
         shared = {byte for message in messages for byte in bits.key_bytes(message.keys)}
-        members = {f.name: member(f.name) for f in layout.fields}
         facts = errata(edition, layout.path) if layout.shared else []
         stored = [f for f in layout.fields if f.is_given]
         self.name = names.lower(layout.name)
-        self.title = english(layout.title) + (f" ({layout.manual})" if layout.manual else "")
+        self.title = heading(layout)
         self.doc = [text for text in (english(layout.about), *facts) if text]
-        self.code = code_member(messages)
+        several = [message for message in messages if message_plan(message).codes]
+        self.code = CodeMember(several) if several else None
         """The member with the code; None unless a message of the layout can have several."""
-        self.members = [_member(names, edition, layout, f, types) for f in stored]
+        self.members = [_member(edition, layout, f, types[f.type]) for f in stored]
         self.members += [self.code.member] if self.code else []
         self.has_values = bool(stored)
         """True if there are members besides the code."""
@@ -131,105 +121,75 @@ class LayoutView:
         parametric = {
             step.field: whole(edition, step.parameter) for step in plan.decoding if isinstance(step, CheckParameter)
         }
-        self.constants = [
-            ParametricConstant(known, f"{bits.constant_read(f)} != {known.value}") for f, known in parametric.items()
-        ]
-        """The constants that are parameters."""
+        self.constants = [(known, f"{bits.constant_read(f)} != {known.value}") for f, known in parametric.items()]
+        """The constants that are parameters, each with the condition for a frame with another value."""
         self.depends = self.chooses or bool(parametric)
         """True if packing and unpacking need the parameters; they return a status then."""
-        values = {f.name: known.value for f, known in parametric.items()}
-        self.check = _ordered_body(names, layout, lambda variant: _checks(names, plan.encoding, variant, types))
-        self.pack = _body(names, layout, lambda variant: bits.write_fields(variant.fields, members, shared, values))
-        self.counters = [_counter(names, layout, f, f.counter) for f in stored if f.counter]
-        self.checksum = checksum_view(names, plan.checksum) if plan.checksum else None
-        self.unpack = _body(names, layout, lambda variant: _reads(plan.decoding, variant))
-        self.show = _ordered_body(names, layout, lambda variant: _shows(names, variant, types))
-
-    @property
-    def show_parameters(self) -> bool:
-        return self.chooses or any(step.uses_parameters for step in self.show.steps)
-
-    @property
-    def has_check(self) -> bool:
-        return self.has_values and (bool(self.check.steps) or self.chooses)
-
-    @property
-    def check_parameters(self) -> bool:
-        return self.chooses or any(check.uses_parameters for check in self.check.steps)
-
-    @property
-    def has_arrays(self) -> bool:
-        return any(check.elements for check in self.check.steps)
-
-    @property
-    def takes_parameters(self) -> bool:
-        """True if checking and packing a message needs the parameters."""
-        return self.depends or self.check_parameters
-
-
-class CodeMember(NamedTuple):
-    """The member with the code of a message that can have several: 0 for the usual one.
-
-    A code of 0 that is not the usual one is the bit above the largest code.
-    """
-
-    member: MemberView
-    kind: Integer
-
-    def stored(self, message: Message, code: int | None) -> str:
-        """The literal of the member for a code of a message; None is the usual one."""
-        number = 1 << message.keys[0].width if code == 0 and message.keys[0].value else code or 0
-        return f"0x{number:02X}u" if number else "0u"
-
-    def choice(self, message: Message) -> CodeChoice | None:
-        """How a message uses it; None if it has one code at most."""
-        codes = message_plan(message).codes
-        if not codes:
-            return None
-        key, number = message.keys[0], working(message.keys[0].width + 1)
-        read, zero = operand(bits.key_value(key)), 1 << key.width
-        given = "UINT64_C(0x{:X})".format if number.width > 32 else "0x{:02X}u".format
-        further = [given(code or zero) for code in codes[1:]]
-        can_be_0 = 0 in codes[1:]
-        return CodeChoice(
-            read=f"({self.kind.name})({read} | ({read} == 0u ? {given(zero)} : 0u))"
-            if can_be_0
-            else f"({self.kind.name}){read}",
-            kind=number.name,
-            value=f"message->{FRAME_CODE} != 0u ? ({number.name})message->{FRAME_CODE} : {given(codes[0])}",
-            refused=joined("&&", [f"code != {literal}" for literal in (given(codes[0]), *further)]),
-            sent=f"({working(key.width).name})(code & {given(zero - 1)})" if can_be_0 else "code",
+        values = {f: known.value for f, known in parametric.items()}
+        self.check = _body(names, layout, lambda variant: _checks(names, plan.encoding, variant, types), in_order=True)
+        self.pack = _body(
+            names, layout, lambda variant: bits.write_fields(plan.encoding, variant.fields, shared, values)
         )
-
-
-class CodeChoice(NamedTuple):
-    """The expression that reads the member from a frame; of a variable `code`, its type, its value, the condition under
-    which it is refused, and the expression of the code that is sent."""
-
-    read: str
-    kind: str
-    value: str
-    refused: str
-    sent: str
+        self.counters = [
+            (names.lower(layout.name, f.name), f.name, integer(f.type), f.counter) for f in stored if f.counter
+        ]
+        """The name of the functions of each counter, its field, its C type, and the ends of its range."""
+        self.checksum = ChecksumView(names, plan.checksum) if plan.checksum else None
+        self.unpack = _body(names, layout, lambda variant: _reads(plan.decoding, variant))
+        self.show = _body(names, layout, lambda variant: _shows(variant, types), in_order=True)
+        self.show_parameters = self.chooses or any(step.uses_parameters for step in self.show.steps)
+        self.has_check = self.has_values and (bool(self.check.steps) or self.chooses)
+        self.check_parameters = self.chooses or any(check.uses_parameters for check in self.check.steps)
+        self.has_arrays = any(check.elements for check in self.check.steps)
+        self.takes_parameters = self.depends or self.check_parameters
+        """True if checking and packing a message needs the parameters."""
 
 
 FRAME_CODE = "frame_code"
 """The name of the member with the code, which no field has."""
 
 
-def code_member(messages: Iterable[Message]) -> CodeMember | None:
-    """The member with the code of messages of one layout; None if each has one code at most."""
-    several = {message: message_plan(message).codes for message in messages if message_plan(message).codes}
-    if not several:
-        return None
-    needed = max(message.keys[0].width + (0 in codes[1:]) for message, codes in several.items())
-    kind = Integer(next(width for width in (8, 16, 32, 64) if width >= needed), signed=False)
-    facts = [
-        f"{m.direction.value} of {m.command}: {' or '.join(_code_text(m, c) for c in codes)}"
-        for m, codes in several.items()
-    ]
-    doc = f"The code, as it came or as it is to be sent; 0 is the usual one. {'; '.join(facts)}."
-    return CodeMember(MemberView(kind.name, FRAME_CODE, doc), kind)
+class CodeMember:
+    """The member with the code of messages of one layout that can have several: 0 for the usual one.
+
+    A code of 0 that is not the usual one is the bit above the largest code.
+    """
+
+    def __init__(self, messages: Sequence[Message]) -> None:
+        several = {message: message_plan(message).codes for message in messages}
+        needed = max(message.keys[0].width + (0 in codes[1:]) for message, codes in several.items())
+        self.kind = smallest(needed, False)
+        facts = (
+            f"{m.direction.value} of {m.command}: {' or '.join(_code_text(m, c) for c in codes)}"
+            for m, codes in several.items()
+        )
+        doc = f"The code, as it came or as it is to be sent; 0 is the usual one. {'; '.join(facts)}."
+        self.member = MemberView(self.kind.name, FRAME_CODE, doc)
+
+    def stored(self, message: Message, code: int | None) -> str:
+        """The literal of the member for a code of a message; None is the usual one."""
+        number = 1 << message.keys[0].width if code == 0 and message.keys[0].value else code or 0
+        return f"0x{number:02X}u" if number else "0u"
+
+
+class CodeChoice:
+    """How a message with several codes uses the member."""
+
+    def __init__(self, message: Message, stored: Integer) -> None:
+        key, number, codes = message.keys[0], working(message.keys[0].width + 1), message_plan(message).codes
+        read, zero = operand(bits.key_value(key)), 1 << key.width
+        given = "UINT64_C(0x{:X})".format if number.width > 32 else "0x{:02X}u".format
+        every = [given(codes[0]), *(given(code or zero) for code in codes[1:])]
+        can_be_0 = 0 in codes[1:]
+        self.read = f"({stored.name})" + (f"({read} | ({read} == 0u ? {given(zero)} : 0u))" if can_be_0 else read)
+        """The value of the member in a frame."""
+        self.kind = number.name
+        """The type of the variable `code`."""
+        self.value = f"message->{FRAME_CODE} != 0u ? ({number.name})message->{FRAME_CODE} : {every[0]}"
+        self.refused = joined("&&", [f"code != {literal}" for literal in every])
+        """The condition under which it is rejected."""
+        self.sent = f"({working(key.width).name})(code & {given(zero - 1)})" if can_be_0 else "code"
+        """The code that is sent."""
 
 
 def _code_text(message: Message, code: int) -> str:
@@ -238,26 +198,12 @@ def _code_text(message: Message, code: int) -> str:
     return f"0x{code:02X} (as 0x{1 << message.keys[0].width:X})" if is_other_0 else f"0x{code:02X}"
 
 
-class ParametricConstant(NamedTuple):
-    """A constant that is a parameter, and the condition for a frame with another value."""
-
-    whole: Whole
-    differs: str
-
-
-def _member(names: Names, edition: Edition, layout: Layout, field: Field, types: Types) -> MemberView:
-    type_ = types[names.lower(names.type_stem(field.type))]
+def _member(edition: Edition, layout: Layout, field: Field, type_: TypeView) -> MemberView:
     length = f"[{len(field.elements)}]" if field.is_array else ""
     low_bits = any(message.has_low_bits_of_node for message in edition.of_layout(layout))
     facts = field_facts(field, layout.parameter, type_.use, type_.facts, low_bits=low_bits)
     doc = with_deprecation(facts, field.deprecated)
     return MemberView(type_.kind, member(field.name) + length, doc)
-
-
-def _counter(names: Names, layout: Layout, field: Field, role: CounterRole) -> CounterView:
-    kind = integer(field.type)
-    ends = kind.literal(role.first), kind.literal(role.last)
-    return CounterView(names.lower(layout.name, field.name), field.name, kind.name, *ends)
 
 
 def numbers(field: Field) -> list[str]:
@@ -275,30 +221,25 @@ def _places(fields: Iterable[Field], code: CodeMember | None) -> Iterator[Place]
         yield Place(name, frozenset((*range(start, end), *range(packed, packed + size))))
 
 
-def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:
-    """The steps of all variants; shared steps are executed first."""
+def _body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]], *, in_order: bool = False) -> Body[T]:
+    """The steps of all variants; shared steps are executed first.
+
+    Steps that stay `in_order` follow the decision whether the parameter is known; shared ones at the end are executed last.
+    """
     variants = [tuple(steps(variant)) for variant in layout.variants]
     if layout.parameter is None:
-        return Body(before=variants[0], subject=None, cases=(), after=())
-    shared = tuple(step for step in variants[0] if all(step in steps_ for steps_ in variants))
-    rest = [tuple(step for step in every if step not in shared) for every in variants]
-    return Body(before=shared, subject=parameter_access(layout.parameter), cases=_cases(names, layout, rest), after=())
-
-
-def _ordered_body(names: Names, layout: Layout, steps: Callable[[Variant], Iterable[T]]) -> Body[T]:
-    """The steps of all variants in their order, after the decision whether the parameter is known."""
-    if layout.parameter is None:
-        return _body(names, layout, steps)
-    variants = [tuple(steps(variant)) for variant in layout.variants]
-    last = itertools.takewhile(lambda same: len(set(same)) == 1, zip(*map(reversed, variants), strict=False))
-    after = tuple(same[0] for same in last)[::-1]
-    rest = [every[: len(every) - len(after)] for every in variants]
-    return Body(before=(), subject=parameter_access(layout.parameter), cases=_cases(names, layout, rest), after=after)
-
-
-def _cases(names: Names, layout: Layout, steps: Iterable[tuple[T, ...]]) -> tuple[Branch[tuple[T, ...]], ...]:
-    labels = (tuple(names.upper(layout.parameter or "", value) for value in v.values) for v in layout.variants)
-    return tuple(Branch(labels=values, value=body) for values, body in zip(labels, steps, strict=True))
+        return Body(variants[0])
+    before: tuple[T, ...] = ()
+    after: tuple[T, ...] = ()
+    if in_order:
+        last = itertools.takewhile(lambda same: len(set(same)) == 1, zip(*map(reversed, variants), strict=False))
+        after = tuple(same[0] for same in last)[::-1]
+        variants = [every[: len(every) - len(after)] for every in variants]
+    else:
+        before = tuple(step for step in variants[0] if all(step in every for every in variants))
+        variants = [tuple(step for step in every if step not in before) for every in variants]
+    labels = (tuple(names.upper(layout.parameter, value) for value in v.values) for v in layout.variants)
+    return Body(before, parameter_access(layout.parameter), list(map(Branch, labels, variants)), after)
 
 
 def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRead]:
@@ -317,11 +258,11 @@ def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRea
                 assert_never(step)
 
 
-def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
+def _shows(variant: Variant, types: Types) -> Iterator[FieldShow]:
     for field in variant.fields:
         if not field.is_given:
             continue
-        type_ = types[names.lower(names.type_stem(field.type))]
+        type_ = types[field.type]
         given = type_.show.formulas.uses_parameters
         if type_.joined is not None:
             call = f"{type_.name}_write(printer, message->{member(field.name)});"
@@ -337,25 +278,21 @@ def _shows(names: Names, variant: Variant, types: Types) -> Iterator[FieldShow]:
 def _checks(names: Names, steps: Sequence[EncodingStep], variant: Variant, types: Types) -> Iterator[FieldCheck]:
     """One check for each field and reason. A field that a variant lacks must be 0, since it is not sent."""
     for field in (step.field for step in steps if isinstance(step, CheckField)):
-        item = f"message->{member(field.name)}" + ("[i]" if field.is_array else "")
+        item, elements = (
+            (f"{member(field.name)}[i]", len(field.elements)) if field.is_array else (member(field.name), 0)
+        )
+        name, item, type_ = names.upper("field", field.name), f"message->{item}", types[field.type]
         raw = raw_of(field.type, item)
         if field not in variant.fields:
-            yield _check(names, field, f"{raw} != 0", "OUT_OF_RANGE")
+            yield FieldCheck(name, f"{raw} != 0", "OUT_OF_RANGE", elements)
             continue
-        if field.type.encoding is Encoding.FLOAT:
+        if type_.is_float:
             refused = [f"!canwright_is_finite{field.type.width}({raw})"]
             refused += [f"!({is_nan(field.type, item)})"] if field.type.no_values else []
-            yield _check(names, field, joined("&&", refused), "NOT_FINITE")
-        type_ = types[names.lower(names.type_stem(field.type))]
+            yield FieldCheck(name, joined("&&", refused), "NOT_FINITE", elements)
         if type_.valid is not None:
-            known = type_.valid.uses_parameters
-            call = f"{type_.name}_valid({item}{', parameters' if known else ''})"
-            yield _check(names, field, f"!{call}", "OUT_OF_RANGE", uses_parameters=known)
-
-
-def _check(names: Names, field: Field, condition: str, status: str, *, uses_parameters: bool = False) -> FieldCheck:
-    elements = len(field.elements) if field.is_array else 0
-    return FieldCheck(names.upper("field", field.name), condition, status, elements, uses_parameters)
+            call = f"{type_.name}_valid({item}{', parameters' if type_.valid.uses_parameters else ''})"
+            yield FieldCheck(name, f"!{call}", "OUT_OF_RANGE", elements, type_.valid.uses_parameters)
 
 
 def literals(field: Field, raw: RawValue) -> dict[str, str]:
@@ -366,10 +303,4 @@ def literals(field: Field, raw: RawValue) -> dict[str, str]:
 
 def initializer(field: Field, texts: Iterable[str]) -> str:
     """The initializer of a member with these literals."""
-    joined = ", ".join(texts)
-    return f"{{{joined}}}" if field.is_array else joined
-
-
-def fields_named(layouts: Sequence[Layout]) -> list[str]:
-    """The names of all fields that are members of some struct, in order, each once."""
-    return list(dict.fromkeys(f.name for layout in layouts for f in layout.fields if f.is_given))
+    return braces(*texts) if field.is_array else ", ".join(texts)

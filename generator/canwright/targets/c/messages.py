@@ -7,25 +7,25 @@ has every bit that is the same in all ids, so no single filter accepts fewer fra
 
 from __future__ import annotations
 
+import itertools
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import reduce
 from operator import or_
 from typing import NamedTuple
 
-from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.formatting import english
 from ...model.layout import Layout, Space
-from ...model.message import Address, Direction, IdRule, Key, Message
+from ...model.message import Address, Direction, IdRule, Message
 from ...semantics.bits import placed
 from ...semantics.plan import CheckConstant, message_plan
 from . import bits
-from .choices import lacks, whole
+from .choices import ENUM_MAX, lacks, whole
 from .expressions import call, joined, operand, working
 from .layouts import CodeChoice, LayoutView
-from .names import Names, Pattern, address_mask, named_patterns, pattern_of
-from .text import MacroView, with_deprecation
+from .names import Names, Pattern, address_mask, member, named_patterns, pattern_of
+from .text import MacroView, heading, with_deprecation
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
 STANDARD_BITS, EXTENDED_BITS = (1 << 11) - 1, (1 << 29) - 1
@@ -96,6 +96,7 @@ class RuleView:
         self.direction = direction.value
         self.id_macro = names.upper(address.name, direction.value, "id")
         self.id_function, self.node_function = f"{base}_id", f"{base}_node"
+        self.check_function, self.filter_function = f"{base}_match_id", f"{base}_filter"
         self.base = f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u"
         self.has_nodes = rule.nodes is not None
         self.whole = whole(edition, rule.parameter) if rule.parameter else None
@@ -106,9 +107,6 @@ class RuleView:
             self.start += f" + {self.whole.value if step == 1 else f'({self.whole.value} * {step}u)'}"
         """The id without the node."""
         self.kind = f"0x{EXTENDED if rule.extended else 0:08X}u"
-        self.check_function = f"{base}_match_id"
-        self.takes_node = ["uint32_t node"] if self.has_nodes else []
-        self.takes_parameters = [f"const {names.lower('parameters_t')} *parameters"] if self.whole else []
         self.can_fail = self.has_nodes or self.whole is not None
         """Whether there may be no id."""
         self.mask = f"0x{0xFFFFFFFF & ~mask:08X}u" if mask else ""
@@ -118,15 +116,12 @@ class RuleView:
         """True if the ids of consecutive nodes are not consecutive."""
         self.node_offset, self.offset_node, self.offset_rest = _step(rule.node_step)
         """The part of the id that depends on `node`, the node from the `offset` of an id, and the rest, which must be 0."""
-        frames = "replies from" if direction is Direction.REPLY else "requests to"
-        self.filter_doc = (
-            f"The filter for the {frames if self.has_nodes else frames.split()[0]}{' one node' * self.has_nodes}."
-        )
-        self.filter_function = f"{base}_filter"
+        frames, side = ("replies", "from") if direction is Direction.REPLY else ("requests", "to")
+        self.filter_doc = f"The filter for the {frames}{f' {side} one node' * self.has_nodes}."
         self.filter_bits = f"0x{accepted.id:X}u" if accepted.id else ""
         """Bits of the id of the filter for one node besides those of its `id_function`; empty without any."""
         self.filter_mask = f"0x{accepted.mask:08X}u"
-        which = f"the {frames} all nodes" if self.has_nodes else f"the {frames.split()[0]}"
+        which = f"the {frames}{f' {side} all nodes' * self.has_nodes}"
         superset = "" if accepted.is_exact else ", which also accepts ids of no node"
         ends = (
             ("filter_id", accepted.all_id, f"Id of the filter for {which}{superset}."),
@@ -161,92 +156,85 @@ class CodeView(NamedTuple):
     kind: str
     name: str
     read: str
-    writes: tuple[bits.Write, ...]
+    writes: Sequence[bits.Write]
 
 
-class PatternView(NamedTuple):
+class PatternView:
     """A pattern of frames: `match` compares a frame with it, `stamp` writes it into a frame."""
 
-    name: str
-    rule: RuleView
-    remote: bool
-    frame_id: str
-    unused_bits_set: str
-    """The condition for bits of the id that only other messages of the address use; empty without any."""
-    codes: tuple[CodeView, ...]
-
-    @property
-    def code_arguments(self) -> list[str]:
-        return [f"{code.kind} {code.name}" for code in self.codes]
-
-    @property
-    def same_codes(self) -> str:
+    def __init__(self, names: Names, edition: Edition, rule: RuleView, message: Message, name: tuple[str, ...]) -> None:
+        mask = address_mask(edition, message.address, message.direction) & ~message.id_mask
+        arguments = [("code" if i == 1 else f"code_{i}", key) for i, key in enumerate(message.keys, 1)]
+        self.name, self.rule, self.remote = names.lower(*name), rule, message.remote
+        self.frame_id = frame_id(message)
+        self.unused_bits_set = f"(frame->id & 0x{mask:X}u) != 0u" if mask else ""
+        """The condition for bits of the id that only other messages of the address use; empty without any."""
+        self.codes = [
+            CodeView(working(key.width).name, code, operand(bits.key_value(key)), list(bits.write_key(key, code)))
+            for code, key in arguments
+        ]
+        self.code_arguments = [f"{code.kind} {code.name}" for code in self.codes]
+        self.same_codes = joined("&&", [f"{code.read} == {code.name}" for code in self.codes]) if self.codes else ""
         """The condition for a frame that has the codes."""
-        return joined("&&", [f"{code.read} == {code.name}" for code in self.codes])
 
 
-class AddressView(NamedTuple):
-    path: DocumentPath
-    heading: str
-    doc: str
-    rules: tuple[RuleView, ...]
-    patterns: tuple[PatternView, ...]
-    nodes: tuple[MacroView, ...]
+class AddressView:
+    """An address with the directions that messages use."""
+
+    def __init__(self, names: Names, address: Address, patterns: Sequence[PatternView]) -> None:
+        nodes = address.request.nodes or address.reply.nodes
+        ends = [("node_min", nodes[0], "Lowest"), ("node_max", nodes[-1], "Highest")] if nodes else []
+        self.path, self.heading, self.doc = address.path, heading(address), english(address.about)
+        self.rules = list(dict.fromkeys(pattern.rule for pattern in patterns))
+        self.patterns = patterns
+        self.nodes = [MacroView(names.upper(address.name, e), f"{n}u", f"{word} node number.") for e, n, word in ends]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
 class MessageView:
-    """A message with its layout.
+    """A message with its layout."""
 
-    `codes` are the values of its keys, then the same with each other accepted value of the first key. `node_in_data` is
-    the expression of the node in a field; empty unless a field identifies the node. `other_constant` is the condition for
-    a frame with another value in a constant field, `wrong_checksum` for one with another checksum. `struct` is empty without fields. `deprecated` is the end of a comment
-    on a deprecated message. `confused` is the condition for a frame that is identified as another message; empty if no values lead to one. `lacking` is the condition for a node that does not have the command of a request; empty
-    without parameters that decide it.
-    """
-
-    name: str
-    struct: str
-    title: str
-    direction: str
-    pattern: PatternView
-    dlc: int
-    codes: tuple[tuple[str, ...], ...]
-    other_constant: str
-    wrong_checksum: str
-    node_in_data: str
-    layout: LayoutView
-    own_layout: bool
-    own_struct: bool
-    deprecated: str
-    confused: str
-    lacking: str
-    choice: CodeChoice | None
-    """How it uses the member with the code; None if it has one code at most."""
-
-    @property
-    def code_read(self) -> str:
+    def __init__(
+        self, names: Names, edition: Edition, message: Message, pattern: PatternView, layout: LayoutView
+    ) -> None:
+        command, plan = edition.command(message.command), message_plan(message)
+        constants = [step for step in plan.decoding if isinstance(step, CheckConstant)]
+        always = [bits.constant_differs(check) for check in constants if not check.field.only]
+        lacking = lacks(names, edition, command) if message.direction is Direction.REQUEST else []
+        self.name, self.command, self.direction = names.lower(message.name), message.command, message.direction.value
+        self.pattern, self.layout, self.dlc = pattern, layout, message.dlc
+        self.enumerator = names.command(message.command)
+        self.member = member(names.short(message.command))
+        """Its member of the union of any message."""
+        self.own_layout = not message.layout.shared and edition.of_layout(message.layout)[0] is message
+        self.own_struct = message.name == message.layout.name
+        self.struct = names.lower(message.name, "t") if layout.members else ""
+        """Empty without fields."""
+        what = f"The {self.direction}" if self.own_struct else "Request and reply"
+        self.title = f"{what} of {message.command}"
+        self.deprecated = with_deprecation("", command.deprecated)
+        """The end of a comment on a deprecated message."""
+        self.codes = list(_codes(message))
+        """The values of its keys, then the same with each other accepted value of the first key."""
+        self.other_constant = joined("||", always) if always else ""
+        """The condition for a frame with another value in a constant field."""
+        self.wrong_checksum = f"{layout.name}_sum(frame) != {layout.checksum.read}" if layout.checksum else ""
+        self.node_in_data = bits.key_value(message.node_in_data) if message.node_in_data else ""
+        """The expression of the node in a field; empty unless a field identifies the node."""
+        self.confused = bits.is_confused(message.confusions)
+        """The condition for a frame that is identified as another message; empty if no values lead to one."""
+        self.lacking = joined("||", lacking) if lacking else ""
+        """The condition for a node that does not have the command of a request; empty without parameters that decide it."""
+        self.choice = CodeChoice(message, layout.code.kind) if layout.code and plan.codes else None
+        """How it uses the member with the code; None if it has one code at most."""
+        self.code_read = self.choice.read if self.choice else "0u" if layout.code else ""
         """The value of the member with the code of a decoded message; empty if its struct has none."""
-        return self.choice.read if self.choice else "0u" if self.layout.code else ""
-
-    @property
-    def has_node(self) -> bool:
+        self.has_node = pattern.rule.has_nodes or bool(self.node_in_data)
         """True if a frame contains the node."""
-        return self.pattern.rule.has_nodes or bool(self.node_in_data)
-
-    @property
-    def takes_parameters(self) -> bool:
+        self.takes_parameters = layout.takes_parameters or bool(self.lacking) or pattern.rule.whole is not None
         """True if encoding the message needs the parameters."""
-        return self.layout.takes_parameters or bool(self.lacking) or self.pattern.rule.whole is not None
-
-    @property
-    def decode_parameters(self) -> bool:
+        self.decode_parameters = layout.depends or pattern.rule.whole is not None
         """True if decoding the message needs the parameters."""
-        return self.layout.depends or self.pattern.rule.whole is not None
-
-    @property
-    def _node(self) -> str:
-        return "node" if self.pattern.rule.has_nodes else ""
+        self._node = "node" if pattern.rule.has_nodes else ""
 
     @property
     def stamp(self) -> str:
@@ -262,23 +250,13 @@ class MessageView:
 
     def encode(self, frame: str, node: str, message: str, parameters: str) -> str:
         """The call that encodes a message, without the arguments that it does not take."""
-        return call(
-            f"{self.name}_encode",
-            frame,
-            node if self._node else "",
-            message if self.struct else "",
-            parameters if self.takes_parameters else "",
-        )
+        given = (node, self._node), (message, self.struct), (parameters, self.takes_parameters)
+        return call(f"{self.name}_encode", frame, *(argument for argument, is_taken in given if is_taken))
 
     def decode(self, message: str, node: str, frame: str, parameters: str) -> str:
         """The call that decodes a message, without the arguments that it does not take."""
-        return call(
-            f"{self.name}_decode",
-            message if self.struct else "",
-            node if self.has_node else "",
-            frame,
-            parameters if self.decode_parameters else "",
-        )
+        given = (message, self.struct), (node, self.has_node), (frame, True), (parameters, self.decode_parameters)
+        return call(f"{self.name}_decode", *(argument for argument, is_taken in given if is_taken))
 
     @property
     def is_match_only(self) -> bool:
@@ -292,83 +270,40 @@ class Messages:
     """The messages of an edition, their patterns and their addresses."""
 
     def __init__(self, names: Names, edition: Edition, layouts: Mapping[Layout, LayoutView]) -> None:
-        self._names, self._edition, self._layouts = names, edition, layouts
+        self.names, self.edition = names, edition
+        self.numbers = command_numbers(edition)
         self.fd = "fd_" if edition.bus.frame_format.is_fd else ""
         """In the names of what contains frames of CAN FD."""
         by_pattern: dict[Pattern, list[Message]] = {}
         for message in edition.all_messages():
             by_pattern.setdefault(pattern_of(message), []).append(message)
-        self._rules: dict[tuple[str, Direction], RuleView] = {}
-        self._messages: dict[Message, MessageView] = {}
+        sides = dict.fromkeys((pattern.address, pattern.direction) for pattern in by_pattern)
+        rules = {side: RuleView(names, edition, edition.address(side[0]), side[1]) for side in sides}
         patterns: dict[str, list[PatternView]] = {}
+        self._messages: dict[Message, MessageView] = {}
         for pattern, parts in named_patterns(by_pattern).items():
-            view = self._pattern(pattern, parts, by_pattern[pattern][0])
+            messages, rule = by_pattern[pattern], rules[pattern.address, pattern.direction]
+            view = PatternView(names, edition, rule, messages[0], parts)
             patterns.setdefault(pattern.address, []).append(view)
-            self._messages |= {message: self._message(message, view) for message in by_pattern[pattern]}
+            self._messages |= {m: MessageView(names, edition, m, view, layouts[m.layout]) for m in messages}
         used = (address for address in edition.addresses if address.name in patterns)
-        self.addresses = [_address(names, address, patterns[address.name]) for address in used]
+        self.addresses = [AddressView(names, address, patterns[address.name]) for address in used]
         """The addresses that messages use, each with the directions that they use."""
 
     def message(self, message: Message) -> MessageView:
         return self._messages[message]
 
-    def rule(self, address: Address, direction: Direction) -> RuleView:
-        key = address.name, direction
-        if key not in self._rules:
-            self._rules[key] = RuleView(self._names, self._edition, address, direction)
-        return self._rules[key]
 
-    def _message(self, message: Message, pattern: PatternView) -> MessageView:
-        names, layout = self._names, self._layouts[message.layout]
-        command = self._edition.command(message.command)
-        constants = [step for step in message_plan(message).decoding if isinstance(step, CheckConstant)]
-        always = [bits.constant_differs(check) for check in constants if not check.field.only]
-        lacking = lacks(names, self._edition, command) if message.direction is Direction.REQUEST else []
-        own_struct = message.name == message.layout.name
-        what = f"The {message.direction.value}" if own_struct else "Request and reply"
-        return MessageView(
-            name=names.lower(message.name),
-            struct=names.lower(message.name, "t") if layout.members else "",
-            title=f"{what} of {message.command}",
-            direction=message.direction.value,
-            pattern=pattern,
-            dlc=message.dlc,
-            codes=tuple(_codes(message)),
-            other_constant=joined("||", always) if always else "",
-            wrong_checksum=f"{layout.name}_sum(frame) != {layout.checksum.read}" if layout.checksum else "",
-            node_in_data=bits.key_value(message.node_in_data) if message.node_in_data else "",
-            layout=layout,
-            own_layout=not message.layout.shared and self._edition.of_layout(message.layout)[0] is message,
-            own_struct=own_struct,
-            deprecated=with_deprecation("", command.deprecated),
-            confused=bits.is_confused(message.confusions),
-            lacking=joined("||", lacking) if lacking else "",
-            choice=layout.code.choice(message) if layout.code else None,
-        )
+def command_numbers(edition: Edition) -> Mapping[str, int]:
+    """The number of each command: its code if no other command has it, else a free number of at least two bytes.
 
-    def _pattern(self, pattern: Pattern, name: tuple[str, ...], message: Message) -> PatternView:
-        mask = address_mask(self._edition, pattern.address, pattern.direction) & ~pattern.id_mask
-        return PatternView(
-            name=self._names.lower(*name),
-            rule=self.rule(self._edition.address(pattern.address), pattern.direction),
-            remote=pattern.remote,
-            frame_id=frame_id(message),
-            unused_bits_set=f"(frame->id & 0x{mask:X}u) != 0u" if mask else "",
-            codes=tuple(_code(key, i) for i, key in enumerate(message.keys)),
-        )
-
-
-def _address(names: Names, address: Address, patterns: Sequence[PatternView]) -> AddressView:
-    nodes = address.request.nodes or address.reply.nodes
-    ends = [("node_min", nodes[0], "Lowest"), ("node_max", nodes[-1], "Highest")] if nodes else []
-    return AddressView(
-        path=address.path,
-        heading=english(address.title) + (f" ({address.manual})" if address.manual else ""),
-        doc=english(address.about),
-        rules=tuple(dict.fromkeys(pattern.rule for pattern in patterns)),
-        patterns=tuple(patterns),
-        nodes=tuple(MacroView(names.upper(address.name, e), f"{n}u", f"{word} node number.") for e, n, word in ends),
-    )
+    With the code as number, one statement is enough for all codes whose messages are read in the same way.
+    """
+    times = Counter(command.code for command in edition.commands)
+    codes = {c.name: c.code for c in edition.commands if c.code and times[c.code] == 1 and c.code <= ENUM_MAX}
+    taken = set(codes.values())
+    free = (number for number in itertools.count(0x100) if number not in taken)
+    return {command.name: codes.get(command.name) or next(free) for command in edition.commands}
 
 
 def _step(step: int) -> tuple[str, str, str]:
@@ -392,16 +327,6 @@ def _codes(message: Message) -> Iterator[tuple[str, ...]]:
         yield (first, *(values[0] for values in labels[1:]))
     if not labels:
         yield ()
-
-
-def _code(key: Key, index: int) -> CodeView:
-    name = "code" if index == 0 else f"code_{index + 1}"
-    return CodeView(
-        kind=working(key.width).name,
-        name=name,
-        read=operand(bits.key_value(key)),
-        writes=tuple(bits.write_key(key, name)),
-    )
 
 
 def _node_unknown(rule: IdRule) -> str:

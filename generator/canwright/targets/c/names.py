@@ -22,6 +22,7 @@ from ...model.sending import microseconds
 from ...model.types import Parameter, Type
 from ...semantics.checksum import ChecksumPlan
 from ...semantics.plan import message_plan
+from ...semantics.valid_raws import valid_raws
 from ..base import NameProblem
 from .text import MacroView
 
@@ -100,8 +101,8 @@ TYPES_OF_MEMBERS = "int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uin
 RESERVED = frozenset(f"{C_WORDS} {CXX_WORDS} {LOWER_CASE_MACROS} {TYPES_OF_MEMBERS} frame_code".split())
 
 TYPE_ENDINGS = (
-    *("_valid", "_name", "_first_flag", "_write", "_no_value", "_has_value"),
-    *("_to_milli", "_from_milli", "_to_float", "_from_float", "_to_double", "_from_double"),
+    *("_to_milli", "_from_milli", "_to_double", "_from_double", "_to_float", "_from_float"),
+    *("_name", "_first_flag", "_valid", "_write", "_no_value", "_has_value"),
 )
 SCALE_MACROS = ("UNIT", "SCALE_NUM", "SCALE_DEN", "OFFSET_NUM", "OFFSET_DEN")
 FIRST = "first"
@@ -119,25 +120,18 @@ ADDRESS_MACROS = (
     *("_REQUEST_ID", "_REQUEST_FILTER_ID", "_REQUEST_FILTER_MASK"),
     *("_REPLY_ID", "_REPLY_FILTER_ID", "_REPLY_FILTER_MASK"),
 )
+PARTS_OF_FUNCTIONS = ("_check", "_pack", "_unpack", "_show", "_write", "_match", "_stamp", "_sum")
+"""The endings of functions that others call."""
 SIGNIFICANT = 63
 """C99 guarantees that this many initial characters of a name are significant."""
 
 EDITION_NAMES = (
     *("parameters_t", "field_t", "field_name", "command_t", "command_name", "command_effects", "command_available"),
-    *(
-        "any_request_t",
-        "any_reply_t",
-        "any_request_check",
-        "any_reply_check",
-        "identify_request",
-        "identify_reply",
-        "decode_request",
-        "decode_reply",
-    ),
-    *("check_reply", "H", "FLOAT_H", "FIELD_NONE", "COMMAND_NONE"),
-    *("SPEC", "SPEC_HASH", "EDITION", "REPLY_WITHIN_US", "PRINT_H", "print_request", "print_reply"),
-    *("selftest", "selftest_message", "selftest_raws_t", "selftest_read", "selftest_same", "selftest_t", "SELFTEST_H"),
-    "HPP",
+    *("any_request_t", "any_reply_t", "any_request_check", "any_reply_check", "identify_request", "identify_reply"),
+    *("decode_request", "decode_reply", "check_reply", "print_request", "print_reply"),
+    *("H", "FLOAT_H", "HPP", "PRINT_H", "SELFTEST_H"),
+    *("FIELD_NONE", "COMMAND_NONE", "SPEC", "SPEC_HASH", "EDITION", "REPLY_WITHIN_US"),
+    *("selftest", "selftest_message", "selftest_raws_t", "selftest_read", "selftest_same", "selftest_t"),
 )
 
 
@@ -270,13 +264,13 @@ def defined(edition: Edition) -> Iterator[tuple[str, str, DocumentPath]]:
         yield from parameter_names(names, parameter)
     for address in edition.addresses:
         what = f"the address `{address.name}`"
-        yield from ((names.lower(address.name) + e, what, address.path) for e in ADDRESS_ENDINGS)
         yield from ((names.upper(address.name) + e, what, address.path) for e in ADDRESS_MACROS)
+        yield from ((names.lower(address.name) + e, what, address.path) for e in ADDRESS_ENDINGS)
     for pattern, parts in named_patterns(map(pattern_of, edition.all_messages())).items():
         what, path = f"the address `{pattern.address}`", edition.address(pattern.address).path
         yield from ((names.lower(*parts) + e, what, path) for e in PATTERN_ENDINGS)
     for type_ in edition.types:
-        yield from ((name, f"the type `{type_.name}`", type_.path) for name in _type(names, type_))
+        yield from ((name, f"the type `{type_.name}`", path) for name, path in _type(names, type_))
     for effect in edition.effects:
         yield names.upper("effect", effect.name), f"the effect `{effect.name}`", ("effects", effect.name)
     for layout in layouts(edition):
@@ -326,13 +320,14 @@ def parameter_names(names: Names, parameter: Parameter) -> Iterator[tuple[str, s
         yield names.upper(parameter.name, value.name), what, (*path, "values", value.name)
 
 
-def _type(names: Names, type_: Type) -> Iterator[str]:
-    stem = names.type_stem(type_)
-    yield from (names.lower(stem) + ending for ending in TYPE_ENDINGS)
-    for ending in ("RAW_MIN", "RAW_MAX"):
-        yield names.upper(stem, ending)
-        yield from (names.upper(stem, ending, case) for case in type_.raw_range.cases)
+def _type(names: Names, type_: Type) -> Iterator[tuple[str, DocumentPath]]:
+    """The names of the functions of a type, of its ranges and scale, and of its members."""
+    stem, path = names.type_stem(type_), type_.path
+    cases = [(), *((case,) for case in valid_raws(type_).cases)]
+    yield from ((names.lower(stem) + ending, path) for ending in TYPE_ENDINGS)
+    yield from ((names.upper(stem, ending, *case), path) for ending in ("RAW_MIN", "RAW_MAX") for case in cases)
     if type_.is_number:
-        yield from (names.upper(stem, ending) for ending in SCALE_MACROS)
-    yield from (names.upper(stem, m.name) for m in type_.members)
-    yield from (names.upper(stem, n.name, FIRST) for n in type_.no_values if len(n.raws) > 1 and not n.is_nan)
+        yield from ((names.upper(stem, ending), path) for ending in SCALE_MACROS)
+    for key, members in type_.members_by_key.items():
+        yield from ((names.upper(stem, m.name), (*path, key, m.name)) for m in members)
+    yield from ((names.upper(stem, n.name, FIRST), path) for n in type_.no_values if len(n.raws) > 1 and not n.is_nan)

@@ -11,12 +11,14 @@ from typing import NamedTuple
 from jinja2 import Environment, Template
 
 from ...model.edition import Edition
+from ...model.formatting import english
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, CodeExample, EditionInput, Output, WorkedExchange
-from .cxx import CxxView, cxx_example
-from .examples import command_example, example
+from .choices import enumerator_numbers
+from .cxx import CxxExample, CxxView
+from .examples import CommandExample, ExampleView
 from .expressions import operand
-from .names import FD, PARTS, SHARED, SHARED_CXX, TEXT
+from .names import FD, PARTS, SHARED, SHARED_CXX, TEXT, member
 from .selftest import SelfTest, has_self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import EditionView, edition_view
@@ -29,7 +31,10 @@ FILTERS: dict[str, Callable[..., object]] = {
     "arguments": arguments,
     "comment": comment,
     "defines": defines,
+    "english": english,
+    "enumerators": enumerator_numbers,
     "fold": fold,
+    "member": member,
     "operand": operand,
     "paragraph": paragraph,
     "safe_text": in_comment,
@@ -51,7 +56,7 @@ def files(specifications: Sequence[EditionInput]) -> Iterator[Output]:
         return
     env = environment("c", FILTERS)
     views = [(item, edition_view(item.edition)) for item in specifications]
-    shown = [(view, example(item, view)) for item, view in views]
+    shown = [(view, ExampleView(item, view)) for item, view in views]
     families: list[FamilyView] = []
     for name in dict.fromkeys(view.family for _, view in views):
         editions = [view for _, view in views if view.family == name]
@@ -85,14 +90,21 @@ def files(specifications: Sequence[EditionInput]) -> Iterator[Output]:
         yield Output(f"share/pkgconfig/{family.name}.pc", env.get_template("package.pc.j2").render(family=family))
     e, x = shown[0]
     cxx = CxxView(views[0][0].edition, e)
-    y = cxx_example(cxx, x.exchanges[0]) if x.exchanges else None
+    y = CxxExample(cxx, x.exchanges[0]) if x.exchanges else None
     for file in (*PACKAGES, *(["examples/CMakeLists.txt"] * has_examples)):
         yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x, cxx=cxx, y=y))
 
 
+def declared(edition: Edition) -> frozenset[str]:
+    """The names in the code of the headers with integers and with floating point."""
+    templates = (environment("c", FILTERS).get_template(f"edition{part}.h.j2") for part in PARTS[:2])
+    text = "".join(template.render(e=edition_view(edition)) for template in templates)
+    return frozenset(re.findall(r"\w+", re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)))
+
+
 def program(edition: Edition, worked: WorkedExchange) -> CodeExample:
     """A program that encodes the request of a command and decodes its reply."""
-    x = command_example(edition, worked)
+    x = CommandExample(edition, worked)
     lines = "\n".join(f"status = {call};" for call in x.calls)
     return CodeExample("c", fold(_program_template().render(e=x.e, x=x)), lines)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
@@ -25,9 +25,8 @@ from ...semantics.frame import CanFrame, code_of, node_of
 from ...semantics.plan import value_fields
 from ..base import EditionInput
 from .choices import parameter_literal
-from .expressions import integer, raw_of
-from .layouts import FRAME_CODE, LayoutView, code_member, initializer, literals, numbers
-from .messages import MessageView
+from .expressions import braces, integer, raw_of
+from .layouts import FRAME_CODE, LayoutView, initializer, literals, numbers
 from .text import WIDTH
 from .view import EditionView
 
@@ -45,18 +44,8 @@ class LayoutTable(NamedTuple):
 
     view: LayoutView
     member: str
-    same: tuple[str, ...]
-    entries: tuple[str, ...]
-
-
-class MessageCase(NamedTuple):
-    """A message with its command; `layout` is the number of the table of its raw integers, `member` its name."""
-
-    command: str
-    enumerator: str
-    view: MessageView
-    layout: int
-    member: str
+    same: Iterable[str]
+    entries: Iterable[str]
 
 
 class Case(NamedTuple):
@@ -76,10 +65,6 @@ class Case(NamedTuple):
 def has_self_test(specification: EditionInput) -> bool:
     """True if there are golden frames to replay."""
     return specification.frames is not None and bool(specification.frames.frames)
-
-
-def _braces(*parts: str) -> str:
-    return f"{{{', '.join(parts)}}}"
 
 
 class SelfTest:
@@ -102,21 +87,23 @@ class SelfTest:
             self.cases.append(case._replace(comment=f"{number}: {case.comment}"))
             number += case.golden is not None
         self.layouts = [self._layout(layout, entries) for layout, entries in self._raws.items()]
-        self.messages = [self._case(message) for message in self._messages]
+        numbers = {layout: number for number, layout in enumerate(self._raws, 1)}
+        self.messages = [(view.message(m), numbers.get(m.layout, 0), _table(m.layout)) for m in self._messages]
+        """Each message with the number and the name of the table of its raw integers."""
         self.directions = [direction for direction in view.directions if direction.decode]
         self.parameters = list(self._known)
 
     def _frame(self, frame: GoldenFrame) -> Case:
-        message = self._message(frame.direction, frame.command)
-        alone = self._decoder.identify(frame.direction, _can(frame), frame.parameters)
+        message, can = self._message(frame.direction, frame.command), _can(frame)
+        alone = self._decoder.identify(frame.direction, can, frame.parameters)
         is_unique = isinstance(alone, Identified) and alone.message is message
         text = self._row(
             (UNIQUE if is_unique else 0) | (0 if frame.decode_only else ENCODED),
             frame,
             frame.parameters,
-            node=_node(message, frame),
+            node=node_of(message, can, frame.parameters) or 0,
             message=_index(self._messages, message),
-            raws=self._raw_index(message, frame.raw, code_of(message, _can(frame))),
+            raws=self._raw_index(message, frame.raw, code_of(message, can)),
         )
         return Case(f"{frame.direction.value} of {frame.command}", text, frame)
 
@@ -169,9 +156,9 @@ class SelfTest:
         flags = frame and (EXTENDED if frame.extended else 0) | (REMOTE if frame.remote else 0)
         data = frame.data[: self._edition.bus.frame_format.max_data_bytes] if frame else b""
         words = [data[at : at + 4].ljust(4, b"\0").hex().upper() for at in range(0, len(data.rstrip(b"\0")) or 1, 4)]
-        stored = _braces(f"0x{frame.id | (flags or 0):X}u" if frame else "0u", _braces(*(f"0x{w}u" for w in words)))
+        stored = braces(f"0x{frame.id | (flags or 0):X}u" if frame else "0u", braces(*(f"0x{w}u" for w in words)))
         indices = (message, raws, field, self._parameters(known), len(frame.data) if frame else 0, kind)
-        return _braces(stored, f"{node}u", *map(str, indices), f"CANWRIGHT_{status}" if status else "0")
+        return braces(stored, f"{node}u", *map(str, indices), f"CANWRIGHT_{status}" if status else "0")
 
     def _message(self, direction: Direction, command: str) -> Message:
         message = self._edition.command(command).message(direction)
@@ -186,26 +173,19 @@ class SelfTest:
             return 0
         texts = [initializer(f, literals(f, raws.get(name, 0)).values()) for name, f in fields.items()]
         texts += [member.stored(message, code)] if member else []
-        return _index(self._raws.setdefault(message.layout, {}), _braces(*texts))
+        return _index(self._raws.setdefault(message.layout, {}), braces(*texts))
 
     def _parameters(self, known: Known) -> int:
         """The index of parameters in their table; 0 if the edition has none."""
         values = (parameter_literal(self._names, p, known.get(p.name)) for p in self._edition.parameters)
-        return _index(self._known, _braces(*values)) if self._edition.parameters else 0
+        return _index(self._known, braces(*values)) if self._edition.parameters else 0
 
-    def _layout(self, layout: Layout, entries: Mapping[str, int]) -> LayoutTable:
+    def _layout(self, layout: Layout, entries: Iterable[str]) -> LayoutTable:
+        view = self._view.message(self._edition.of_layout(layout)[0]).layout
         fields = value_fields(layout.fields).values()
         raws = [raw_of(field.type, number) for field in fields for number in numbers(field)]
-        raws += [FRAME_CODE] if code_member(self._edition.of_layout(layout)) else []
-        same = (f"one->{raw} == other->{raw}" for raw in raws)
-        view = self._view.message(self._edition.of_layout(layout)[0]).layout
-        return LayoutTable(view, _table(layout), tuple(same), tuple(entries))
-
-    def _case(self, message: Message) -> MessageCase:
-        tables = list(self._raws)
-        number = tables.index(message.layout) + 1 if message.layout in tables else 0
-        enumerator = self._names.command(message.command)
-        return MessageCase(message.command, enumerator, self._view.message(message), number, _table(message.layout))
+        raws += [FRAME_CODE] if view.code else []
+        return LayoutTable(view, _table(layout), [f"one->{raw} == other->{raw}" for raw in raws], entries)
 
 
 def _table(layout: Layout) -> str:
@@ -222,11 +202,6 @@ def _fits(field: Field, raw: RawValue) -> bool:
     if isinstance(raw, list) and len(raw) != len(field.elements):
         return False
     return integer(field.type).holds(*(raw if isinstance(raw, list) else [raw]))
-
-
-def _node(message: Message, frame: GoldenFrame) -> int:
-    """The node in the id or in the data; 0 if the frame contains none."""
-    return node_of(message, _can(frame), frame.parameters) or 0
 
 
 def _can(frame: GoldenFrame) -> CanFrame:

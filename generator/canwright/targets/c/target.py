@@ -10,9 +10,8 @@ from ...model.types import Assignment
 from ..base import CodeExample, CodeNames, EditionInput, ItemNames, NameProblem, Output, Target, WorkedExchange
 from ..options import NO_OPTIONS, Options
 from . import names, validity
-from .names import SHARED, Names, layouts, member, parameter_names
-from .package import files, program
-from .types import TypeView
+from .names import SHARED, layouts, member
+from .package import declared, files, program
 from .view import edition_view
 
 Exported = tuple[DocumentPath, str]
@@ -53,9 +52,8 @@ class CTarget(Target):
 
     def exported_names(self, edition: Edition) -> Iterator[Exported]:
         """The name of a declaration before those of its functions; `…_` stands for the prefix of family and edition."""
-        names = Names(edition)
-        prefixes = names.lower(""), names.upper("")
-        for path, name in _names(names, edition):
+        prefixes = edition_view(edition).prefix, edition_view(edition).PREFIX
+        for path, name in _exported(edition):
             yield path, f"…_{name[len(prefixes[0]) :]}" if name.startswith(prefixes) else name
 
     def code_names(self, edition: Edition) -> CodeNames:
@@ -81,48 +79,17 @@ class CTarget(Target):
         return program(edition, worked)
 
 
-def _names(names: Names, edition: Edition) -> Iterator[Exported]:
-    for parameter in edition.parameters:
-        yield ("parameters", parameter.name), f".{member(parameter.name)}"
-        yield from ((path, name) for name, _, path in parameter_names(names, parameter))
-    yield from ((("effects", effect.name), names.upper("effect", effect.name)) for effect in edition.effects)
-    view = edition_view(edition)
-    for address in view.addresses:
-        yield from ((address.path, macro.name) for macro in address.nodes)
-        for rule in address.rules:
-            reader = rule.node_function if rule.has_nodes else rule.check_function
-            functions = (rule.id_function, reader) if rule.can_fail else (rule.id_macro,)
-            yield from ((address.path, function) for function in functions)
-    for type_ in (t for t in edition.types if t.path[0] == "types" and view.has(t)):
-        stem = names.type_stem(type_)
-        by_key = type_.members_by_key.items()
-        members = {names.upper(stem, m.name): (*type_.path, key, m.name) for key, named in by_key for m in named}
-        yield from ((members.get(name, type_.path), name) for name in _type(view.type(type_)))
-    for layout in layouts(edition):
-        varying = [field for field in layout.fields if field.is_given]
-        if varying:
-            yield layout.path, names.lower(layout.name, "t")
-        for field in varying:
-            yield field.path, member(field.name)
-            yield field.path, names.upper("field", field.name)
-    for command in edition.commands:
-        yield command.path, names.command(command.name)
-        if command.code is not None:
-            yield command.path, names.upper(command.name, "code")
+def _exported(edition: Edition) -> Iterator[Exported]:
+    """The members of structs, and the names in the header that are no part of other functions."""
+    printed = declared(edition)
+    yield from ((("parameters", parameter.name), f".{member(parameter.name)}") for parameter in edition.parameters)
+    yield from ((f.path, member(f.name)) for layout in layouts(edition) for f in layout.fields if f.is_given)
+    for name, _, path in names.defined(edition):
+        if path and name in printed and not name.endswith(names.PARTS_OF_FUNCTIONS):
+            yield path, name
     for message in edition.all_messages():
-        yield from ((message.path, fact.name) for fact in names.facts(message))
-        if any(field.is_given for field in message.layout.fields):
-            yield message.path, names.lower(message.name, "t")
-            yield message.path, f".{member(names.short(message.command))}"
-        yield from ((message.path, names.lower(message.name, ending)) for ending in ("encode", "decode"))
-
-
-def _type(view: TypeView) -> Iterator[str]:
-    """The functions of a type and its macros."""
-    yield from (f"{view.name}_{way}_{unit}" for unit in view.conversions for way in ("to", "from"))
-    functions = (("name", view.names), ("first_flag", view.is_flags), ("valid", view.valid))
-    yield from (f"{view.name}_{ending}" for ending, exists in functions if exists)
-    yield from (macro.name for macro in view.macros)
+        if edition_view(edition).message(message).layout.has_values:
+            yield message.path, f".{edition_view(edition).message(message).member}"
 
 
 def _headers(edition: Edition) -> Iterator[NameProblem]:

@@ -13,8 +13,10 @@ from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.edition import Edition
 from ...model.formatting import english
-from ...model.layout import Field, Space
+from ...model.layout import Field, Layout, Space
+from ...model.message import Address, Command
 from ...model.types import IDENTITY, ByParameter, Encoding, Type
+from ...semantics.valid_raws import valid_raws
 
 WIDTH = 118
 
@@ -62,8 +64,8 @@ def literal(text: str) -> str:
 
 
 def comment(paragraphs: str | Sequence[str], indent: int = 0) -> str:
-    """Paragraphs as one Doxygen comment, on one line if they fit. The first line is not indented."""
-    texts = [in_comment(p) for p in ([paragraphs] if isinstance(paragraphs, str) else paragraphs)]
+    """Paragraphs as one Doxygen comment, on one line if they fit. The first line is not indented; empty ones are left out."""
+    texts = [in_comment(p) for p in ([paragraphs] if isinstance(paragraphs, str) else paragraphs) if p]
     margin = " " * indent
     if len(texts) == 1 and len(texts[0]) + indent + 7 <= WIDTH:
         return f"/** {texts[0]} */"
@@ -164,6 +166,11 @@ def field_facts(field: Field, parameter: str | None, use: str, of_type: Sequence
     return " ".join(parts)
 
 
+def heading(item: Address | Command | Layout) -> str:
+    """The title of an item with its section of the manual."""
+    return english(item.title) + (f" ({item.manual})" if item.manual else "")
+
+
 def in_manual(name: str) -> list[str]:
     """The name in the manual as a sentence. Headers are ASCII, so a name in another script is left out."""
     return [f"In the manual: {name}."] if name.isascii() and name else []
@@ -201,7 +208,7 @@ def _range(type_: Type, among: Sequence[str]) -> str:
     if not type_.is_number:
         return ""
     what = "Range" if type_.encoding is Encoding.FLOAT else "Raw"
-    given = _alternatives(type_.raw_range.parameter, formatting.ranges(type_, tuple(among)))
+    given = _alternatives(valid_raws(type_).parameter, formatting.ranges(type_, tuple(among)))
     return f"{what} {', '.join(given)}." if given else ""
 
 

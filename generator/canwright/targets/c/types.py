@@ -8,12 +8,12 @@ from typing import NamedTuple
 from ...model.edition import Edition
 from ...model.formatting import english
 from ...model.joined import JoinedText
-from ...model.types import Encoding, Linear, Type
+from ...model.types import Encoding, Linear, NoValue, Type
 from .choices import Choice, choose
 from .conversions import ConversionView, Formula, factor, milli, ratio
 from .expressions import INT64, Integer, integer, raw_of, stored
 from .floating import DOUBLE, SINGLE, floating, has_floating, initializer, is_wide, raw_kind
-from .names import FIRST, SCALE_MACROS, Names, layouts
+from .names import FIRST, SCALE_MACROS, Names
 from .text import MacroView, errata, literal, type_facts, with_deprecation
 from .validity import has_value, is_nan, valid, within_run
 
@@ -70,25 +70,6 @@ def decimals(type_: Type, linear: Linear) -> int:
     return min(max(enough + 1, FEWEST), MOST)
 
 
-class JoinedView(NamedTuple):
-    """The elements of a field as one value: `most` is the most characters of a text with its terminator, 0 for digits."""
-
-    elements: int
-    most: int
-    padding: str
-    highest: str
-
-
-def joined(type_: Type) -> JoinedView | None:
-    """How elements are joined; None if they are not."""
-    of = type_.joined
-    if of is None:
-        return None
-    if isinstance(of, JoinedText):
-        return JoinedView(of.count, of.count + 1, f"0x{of.padding:02X}u", "0x7Fu" if of.codec == "ascii" else "0xFFu")
-    return JoinedView(of.count, 0, "", "")
-
-
 class TypeView:
     """A type with its macros, names, check and conversions."""
 
@@ -99,6 +80,7 @@ class TypeView:
         self.kind = stored(type_)
         """The C type of a member, and of a raw integer in functions."""
         self.is_float = type_.encoding is Encoding.FLOAT
+        self.is_flags, self.is_enum = bool(type_.flags), bool(type_.enum)
         self.unit = unit
         self.heading = f"{stem}: {english(type_.title) or type_.name}" + (f", {unit}" if unit else "")
         self.valid = valid(names, type_)
@@ -108,37 +90,23 @@ class TypeView:
         pairs = {"milli": self.milli, "double": self.double, "float": self.single}
         self.conversions = {unit: conversion for unit, conversion in pairs.items() if conversion is not None}
         """Conversions by the ending of their names."""
-        self.joined = joined(type_)
+        self.joined, self.is_text = type_.joined, isinstance(type_.joined, JoinedText)
+        """How elements are joined, and whether that is as a text."""
         self.show = show(names, type_)
         self.use = f"Raw {'bits' if self.is_float else 'integer'}, type {stem}{_functions(type_, stem, self.milli or self.double)}."
         """A sentence with the type and its functions, for comments of fields."""
         lacking = list(_lacking(type_, self.milli))
-        self.has_notes = bool(lacking)
-        """True if `doc` says which conversions are missing."""
         self.facts = type_facts(type_)
         about = " ".join(text for text in (english(type_.about), *self.facts, *lacking) if text)
         self.doc = [text for text in (about, *errata(edition, type_.path)) if text]
         self.macros = [*_limits(names, type_, kind), *_scale(names, type_), *_members(names, type_, kind)]
         self.names = [(names.upper(stem, m.name), m.name) for m in (*type_.enum, *type_.flags)]
         """The macros and names of an enum or of flags."""
-        self.no_values = list(_no_values(names, type_))
+        self.no_values = [(n.name, _has_name(names, type_, n)) for n in type_.no_values]
+        """The names for raw integers without a value, each with the condition for them."""
         self.has_value = has_value(type_)
         """The condition for a number; empty if all raw integers are numbers."""
-        self.is_flags = bool(type_.flags)
-
-    @property
-    def is_enum(self) -> bool:
-        return bool(self.names) and not self.is_flags
-
-    @property
-    def is_empty(self) -> bool:
-        return not (self.macros or self.valid or self.milli or self.has_notes or self.joined)
-
-
-def types(names: Names, edition: Edition) -> list[TypeView]:
-    """The types that fields use, in spec order."""
-    used = {field.type.name for layout in layouts(edition) for field in layout.fields}
-    return [TypeView(names, edition, type_) for type_ in edition.types if type_.name in used]
+        self.is_empty = not (self.macros or self.valid or self.milli or lacking or self.joined)
 
 
 def _functions(type_: Type, stem: str, conversion: ConversionView | None) -> str:
@@ -214,18 +182,11 @@ def _members(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
         yield MacroView(names.upper(names.type_stem(type_), m.name), kind.unsigned.bits(1 << m.value), doc)
 
 
-class NoValueView(NamedTuple):
-    """A name for raw integers without a value, and the condition for them."""
-
-    name: str
-    condition: str
-
-
-def _no_values(names: Names, type_: Type) -> Iterator[NoValueView]:
-    for n in type_.no_values:
-        macro = names.upper(names.type_stem(type_), n.name)
-        several = is_nan(type_, "raw") if n.is_nan else within_run(integer(type_), n.raws)
-        yield NoValueView(n.name, f"raw == {macro}" if len(n.raws) == 1 else several)
+def _has_name(names: Names, type_: Type, named: NoValue) -> str:
+    """The condition for the raw integers without a value that have a name."""
+    if len(named.raws) == 1:
+        return f"raw == {names.upper(names.type_stem(type_), named.name)}"
+    return is_nan(type_, "raw") if named.is_nan else within_run(integer(type_), named.raws)
 
 
 def _parenthesised(literal: str) -> str:

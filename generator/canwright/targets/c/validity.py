@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
-from ...model.types import Assignment, Bound, ByParameter, Encoding, Range, Type
+from ...model.types import Bound, ByParameter, Encoding, Linear, Range, Type
 from ...semantics.valid_raws import FiniteFloats, FlagBits, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
@@ -125,31 +125,28 @@ def constant_limits(type_: Type) -> tuple[int, int]:
 
 def has_constant_limits(type_: Type) -> bool:
     """True if the valid raw integers do not depend on a parameter."""
-    return type_.raw_range.parameter is None and not _depends_on_number(type_)
+    return valid_raws(type_).parameter is None and not _dependent_bounds(type_)
 
 
 def problems(edition: Edition) -> Iterator[NameProblem]:
     """Ranges that cannot be checked with 64-bit integers."""
     for type_ in edition.types:
         path: DocumentPath = (*type_.path, "raw_range")
-        two = {type_.linear.parameter, type_.raw_range.parameter} - {None}
-        if type_.encoding is Encoding.FLOAT and (_depends_on_number(type_) or len(two) > 1):
-            yield NameProblem(
-                path,
-                "C has no check for a range of floats that depends on this",
-                "use the parameter that the scale depends on",
-            )
-            continue
-        for _, limits in type_.raw_range.distinct():
-            for bound in (limits.low, limits.high) if limits else ():
-                if bound.parameter is not None and max(map(abs, _factors(bound))) >= RATIO_LIMIT:
-                    text = "these factors are too large for a check with 64-bit integers in C"
-                    yield NameProblem(path, text, "use smaller ones")
+        bounds, two = _dependent_bounds(type_), {type_.linear.parameter, valid_raws(type_).parameter} - {None}
+        if type_.encoding is Encoding.FLOAT and (bounds or len(two) > 1):
+            text = "C has no check for a range of floats that depends on this"
+            yield NameProblem(path, text, "use the parameter that the scale depends on")
+        elif any(abs(factor) >= RATIO_LIMIT for bound in bounds for factor in _factors(bound)):
+            text = "these factors are too large for a check with 64-bit integers in C"
+            yield NameProblem(path, text, "use smaller ones")
 
 
-def _depends_on_number(type_: Type) -> bool:
-    ranges = [limits for _, limits in type_.raw_range.distinct() if limits is not None]
-    return any(not limits.is_constant for limits in ranges)
+def _dependent_bounds(type_: Type) -> list[Bound]:
+    """The ends of ranges that depend on a number parameter."""
+    every = [raws for _, raws in valid_raws(type_).distinct()]
+    ends = [end for raws in every if isinstance(raws, RawInterval) for end in (raws.low_bound, raws.high_bound) if end]
+    spans = [raws.scaled for raws in every if isinstance(raws, FiniteFloats) and raws.scaled]
+    return ends + [end for span in spans for end in (span.low, span.high) if end.parameter]
 
 
 def _between(kind: Integer, low: int, high: int) -> list[str]:
@@ -186,15 +183,16 @@ def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Alternatives:
 
 def _unscaled(type_: Type) -> ByParameter[ValidRaws]:
     """The valid floats with ranges without the scale; those of the spec apply to the scaled value."""
-    by = type_.linear.parameter or type_.raw_range.parameter
-    if by is None:
-        return ByParameter.always(_floats(type_, {}))
-    cases = type_.linear.cases or type_.raw_range.cases
-    return ByParameter(parameter=by, constant=None, cases={name: _floats(type_, {by: name}) for name in cases})
+    valid, linear = valid_raws(type_), type_.linear
+    if linear.parameter is None and valid.parameter is None:
+        return ByParameter.always(_floats(valid.constant, linear.constant))
+    cases = {name: {linear.parameter or valid.parameter or "": name} for name in linear.cases or valid.cases}
+    unscaled = {name: _floats(valid.at(known), linear.at(known)) for name, known in cases.items()}
+    return ByParameter(parameter=linear.parameter or valid.parameter, constant=None, cases=unscaled)
 
 
-def _floats(type_: Type, known: Assignment) -> FiniteFloats:
-    limits, linear = type_.raw_range.at(known), type_.linear.at(known)
+def _floats(raws: ValidRaws | None, linear: Linear | None) -> FiniteFloats:
+    limits = raws.scaled if isinstance(raws, FiniteFloats) else None
     if limits is None or linear is None:
         return FiniteFloats(None)
     ends = [(end.constant - linear.offset) / linear.scale for end in (limits.low, limits.high)]

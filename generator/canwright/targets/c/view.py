@@ -5,68 +5,82 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import cached_property, lru_cache
-from typing import NamedTuple
 
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.formatting import english
-from ...model.layout import Layout
 from ...model.message import Command, Direction, Message, OtherReply
 from ...model.metadata import Level
-from ...model.types import Type
+from ...semantics.dispatch import dispatch_plan
 from ...semantics.exchange import exchange_plans
 from ..base import header
-from .choices import lacks, parameters
-from .dispatch import ContentsView, ContentView, answers, command_numbers, grouped, routes
+from .choices import lacks
+from .dispatch import RouteView, answers, grouped
 from .expressions import UINT32, UINT64, call, joined
-from .layouts import LayoutView, fields_named
+from .layouts import LayoutView
 from .messages import Messages, MessageView
-from .names import Names, layouts, member
-from .text import MacroView, errata, in_manual, literal, with_deprecation
-from .types import TypeView, types
+from .names import Names, layouts
+from .text import MacroView, errata, heading, in_manual, literal, with_deprecation
+from .types import TypeView
 
 
-class CommandView(NamedTuple):
-    name: str
-    enumerator: str
-    number: str
-    heading: str
-    doc: tuple[str, ...]
-    constants: tuple[MacroView, ...]
-    messages: tuple[MessageView, ...]
+class CommandView:
+    """A command with the messages that are defined in it."""
+
+    def __init__(self, messages: Messages, command: Command) -> None:
+        names = messages.names
+        own = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
+        code = names.upper(command.name, "code"), f"0x{command.code or 0:02X}u", "Identifies the command in a frame."
+        self.name, self.enumerator = command.name, names.command(command.name)
+        self.number = f"0x{messages.numbers[command.name]:02X}"
+        self.heading = heading(command)
+        self.doc = _command_doc(messages.edition, command)
+        self.constants = [] if command.code is None else [MacroView(*code)]
+        self.constants += [macro for message in own for macro in names.facts(message)]
+        self.messages = [messages.message(message) for message in own]
 
 
 class DirectionView:
     """Any message of one direction."""
 
-    def __init__(self, names: Names, edition: Edition, messages: Messages, direction: Direction) -> None:
-        contents: dict[Layout, list[ContentView]] = {}
-        sent = edition.messages(direction)
-        views = {m.layout: messages.message(m).layout for m in sent}
+    def __init__(self, messages: Messages, direction: Direction) -> None:
+        sent = [messages.message(message) for message in messages.edition.messages(direction)]
+        self.contents: dict[LayoutView, list[MessageView]] = {}
         for message in sent:
-            if views[message.layout].members or views[message.layout].depends:
-                content = ContentView(names.command(message.command), member(names.short(message.command)))
-                contents.setdefault(message.layout, []).append(content)
-        unpack = {layout: ContentsView(views[layout], tuple(commands)) for layout, commands in contents.items()}
+            if message.layout.members or message.layout.depends:
+                self.contents.setdefault(message.layout, []).append(message)
+        plan = dispatch_plan(messages.edition, direction)
         self.word = direction.value
-        self.identify = routes(names, edition, messages, direction, {})
-        self.decode = routes(names, edition, messages, direction, unpack)
-        self.contents = list(unpack.values())
-        self.without_node = [names.command(m.command) for m in sent if not m.id.nodes]
+        self.identify = [RouteView(messages, route, {}) for route in plan.routes]
+        self.decode = [RouteView(messages, route, self.contents) for route in plan.routes]
+        """The routes of the dispatch plan, in the order in which they are tried."""
+        self.without_node = [message.enumerator for message in sent if not message.pattern.rule.has_nodes]
         """The commands whose id contains no node."""
-        self.without_fields = any(not view.members for view in views.values())
+        self.has_nodes = any(route.rule.has_nodes for route in self.decode)
+        self.members = [m for layout, listed in self.contents.items() if layout.members for m in listed]
+        """The members of the union."""
+        self.without_fields = any(not message.layout.members for message in sent)
         """True if some commands have no fields."""
-        self.checks_availability = any(messages.message(m).lacking for m in sent)
+        self.checks_availability = any(message.lacking for message in sent)
+        self.identify_parameters = any(route.rule.whole for route in self.decode)
+        """Whether ids contain a parameter."""
+        self.unpacking_fails = any(layout.depends for layout in self.contents)
+        """Whether reading fields needs the parameters."""
+        self.depends = self.identify_parameters or self.unpacking_fails
+        """Whether decoding needs the parameters."""
+        self.show_parameters = self.depends or any(x.has_values and x.show_parameters for x in self.contents)
+        self.check_parameters = self.checks_availability or any(x.check_parameters for x in self.contents)
 
     @cached_property
     def cleared(self) -> list[str]:
         """Fields of the union that cover all its bytes that some commands do not write: few and large ones, in their order."""
-        written = {content: _all_bytes(content.layout) for content in self.contents if content.layout.members}
-        everywhere = [*written.values(), *([frozenset[int]()] if self.without_fields else [])]
+        first = {layout: listed[0].member for layout, listed in self.contents.items() if layout.members}
+        everywhere = [frozenset(itertools.chain(*(place.bytes for place in layout.places))) for layout in first]
+        everywhere += [frozenset[int]()] if self.without_fields else []
         missing = frozenset[int]().union(*everywhere).difference(frozenset.intersection(*everywhere))
-        fields = {place.bytes: f"{some.member}.{place.name}" for some in written for place in some.layout.places}
+        fields = {place.bytes: f"{name}.{place.name}" for layout, name in first.items() for place in layout.places}
         times = Counter(itertools.chain(*fields))
         for covered in sorted(fields, key=len):
             if all(times[byte] > 1 for byte in missing & covered):
@@ -74,57 +88,10 @@ class DirectionView:
                 del fields[covered]
         return [fields[covered] for covered in sorted(fields, key=max)]
 
-    @cached_property
-    def members(self) -> list[tuple[LayoutView, ContentView]]:
-        """The members of the union: a struct and its command."""
-        return [(some.layout, content) for some in self.contents if some.layout.members for content in some.commands]
-
-    @cached_property
-    def by_command(self) -> Mapping[str, ContentView]:
-        """The members of the union by command."""
-        return {content.command: content for _, content in self.members}
-
     def print(self, e: EditionView, frame: str) -> str:
         """The call that prints a frame into the array `text`."""
         parameters = "&parameters" if self.show_parameters else ""
         return call(f"{e.prefix}print_{self.word}", "text", "sizeof text", frame, parameters)
-
-    @cached_property
-    def identify_parameters(self) -> bool:
-        """Whether ids contain a parameter."""
-        return any(route.rule.whole for route in self.decode)
-
-    @cached_property
-    def unpacking_fails(self) -> bool:
-        """Whether reading fields needs the parameters."""
-        return any(content.layout.depends for content in self.contents)
-
-    @cached_property
-    def depends(self) -> bool:
-        """Whether decoding needs the parameters."""
-        return self.identify_parameters or self.unpacking_fails
-
-    @cached_property
-    def shown(self) -> list[ContentsView]:
-        """The contents that have something to print."""
-        return [content for content in self.contents if content.layout.has_values]
-
-    @cached_property
-    def has_nodes(self) -> bool:
-        return any(route.rule.has_nodes for route in self.decode)
-
-    @cached_property
-    def show_parameters(self) -> bool:
-        return self.depends or any(content.layout.show_parameters for content in self.shown)
-
-    @cached_property
-    def checked(self) -> list[ContentsView]:
-        """The contents that have something to check."""
-        return [content for content in self.contents if content.layout.has_check]
-
-    @cached_property
-    def check_parameters(self) -> bool:
-        return self.checks_availability or any(content.layout.check_parameters for content in self.contents)
 
 
 class EditionView:
@@ -140,15 +107,22 @@ class EditionView:
         self.title = english(edition.title)
         self.doc = _edition_doc(edition)
         self.facts = list(_facts(names, edition))
-        self.parameters = parameters(names, edition)
-        self.types = types(names, edition)
-        self.fields = [(names.upper("field", name), name) for name in fields_named(used)]
+        self.parameters = edition.parameters
+        fields = [field for layout in used for field in layout.fields]
+        self.of_type = {
+            type_: TypeView(names, edition, type_) for type_ in edition.types if type_ in {f.type for f in fields}
+        }
+        """The types that fields use, in spec order."""
+        self.types = list(self.of_type.values())
+        self.fields = [
+            (names.upper("field", name), name) for name in dict.fromkeys(f.name for f in fields if f.is_given)
+        ]
+        """The enumerator of each field, with its name."""
         self.has_joined = any(view.joined for view in self.types)
-        self._types = {view.name: view for view in self.types}
-        views = {layout: LayoutView(names, edition, layout, self._types) for layout in used}
+        views = {layout: LayoutView(names, edition, layout, self.of_type) for layout in used}
         self.layouts = [views[layout] for layout in used if layout.shared]
-        checksums = [view.checksum for view in views.values() if view.checksum]
-        self.crcs = list(dict.fromkeys(checksum.crc for checksum in checksums if checksum.crc))
+        crcs = (view.checksum.crc for view in views.values() if view.checksum)
+        self.crcs = list({crc.name: crc for crc in crcs if crc}.values())
         self._messages = messages = Messages(names, edition, views)
         self.fd = messages.fd
         self.frame = f"canwright_{self.fd}frame_t"
@@ -157,33 +131,33 @@ class EditionView:
         rate = " | CANWRIGHT_FD_BRS" if edition.bus.frame_format.switches_rate else ""
         self.frame_flags = f"CANWRIGHT_FD_FDF{rate}" if self.fd else ""
         self.addresses = messages.addresses
-        numbers = command_numbers(edition)
-        self.commands = [_command(names, edition, messages, c, numbers[c.name]) for c in edition.commands]
+        self.commands = [CommandView(messages, command) for command in edition.commands]
         self.effects_type = UINT64 if len(edition.effects) > 32 else UINT32
         self.effects = [
             MacroView(names.upper("effect", e.name), self.effects_type.bits(1 << i), f"{english(e.title)}.")
             for i, e in enumerate(edition.effects)
         ]
-        self.command_effects = grouped(names, _effects_of_commands(names, edition))
-        self.availability = grouped(names, _availability(names, edition))
-        self.directions = [DirectionView(names, edition, messages, direction) for direction in Direction]
-        self.answers = answers(names, edition, messages)
+        self.command_effects = grouped(
+            names,
+            (
+                (c, " | ".join(names.upper("effect", effect.name) for effect in c.effects))
+                for c in edition.commands
+                if c.effects
+            ),
+        )
+        available = ((command, lacks(names, edition, command, "!=")) for command in edition.commands)
+        self.availability = grouped(
+            names, ((command, joined("&&", lacking)) for command, lacking in available if lacking)
+        )
+        """The commands that some nodes do not have, and the condition for one that has it."""
+        self.directions = [DirectionView(messages, direction) for direction in Direction]
+        self.answers = answers(messages)
         replies = (plan.reply for plans in exchange_plans(edition).values() for plan in plans)
         self.answers_use_from = any(reply.id.nodes is not None for reply in replies)
         """Whether the conditions of answers read the node that replies."""
 
     def message(self, message: Message) -> MessageView:
         return self._messages.message(message)
-
-    def type(self, type_: Type) -> TypeView:
-        return self._types[self.names.lower(self.names.type_stem(type_))]
-
-    def has(self, type_: Type) -> bool:
-        """Whether some field has a type."""
-        return self.names.lower(self.names.type_stem(type_)) in self._types
-
-    def direction(self, direction: Direction) -> DirectionView:
-        return next(view for view in self.directions if view.word == direction.value)
 
     @property
     def check_reply_parameters(self) -> bool:
@@ -197,7 +171,7 @@ class EditionView:
     @property
     def printed(self) -> list[LayoutView]:
         """The layouts that messages print."""
-        return list({content.layout.name: content.layout for d in self.directions for content in d.shown}.values())
+        return list(dict.fromkeys(x for d in self.directions for x in d.contents if x.has_values))
 
     @property
     def has_reply_time(self) -> bool:
@@ -228,26 +202,6 @@ def _facts(names: Names, edition: Edition) -> Iterator[MacroView]:
         slow = f" It does not apply to {', '.join(edition.slow_replies)}." if edition.slow_replies else ""
         doc = f"Maximum time from request to reply, in microseconds{rounded}.{slow}"
         yield MacroView(names.upper("reply_within_us"), f"{math.ceil(within * 1000)}u", doc)
-
-
-def _command(names: Names, edition: Edition, messages: Messages, command: Command, number: int) -> CommandView:
-    own = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
-    return CommandView(
-        name=command.name,
-        enumerator=names.command(command.name),
-        number=f"0x{number:02X}",
-        heading=english(command.title) + (f" ({command.manual})" if command.manual else ""),
-        doc=tuple(_command_doc(edition, command)),
-        constants=(
-            *(
-                MacroView(names.upper(command.name, "code"), f"0x{code:02X}u", "Identifies the command in a frame.")
-                for code in (command.code,)
-                if code is not None
-            ),
-            *(macro for message in own for macro in names.facts(message)),
-        ),
-        messages=tuple(map(messages.message, own)),
-    )
 
 
 def _command_doc(edition: Edition, command: Command) -> list[str]:
@@ -288,22 +242,3 @@ def _first_reply_doc(command: Command) -> str:
     if isinstance(command.replies[0], OtherReply):
         return f"The reply is that of {command.reply.command}{each}."
     return f"One reply{each}." if each else ""
-
-
-def _effects_of_commands(names: Names, edition: Edition) -> Iterator[tuple[Command, str]]:
-    for command in edition.commands:
-        if command.effects:
-            yield command, " | ".join(names.upper("effect", effect.name) for effect in command.effects)
-
-
-def _availability(names: Names, edition: Edition) -> Iterator[tuple[Command, str]]:
-    """The commands that some nodes do not have, and the condition for one that has it."""
-    for command in edition.commands:
-        lacking = lacks(names, edition, command, "!=")
-        if lacking:
-            yield command, joined("&&", lacking)
-
-
-def _all_bytes(layout: LayoutView) -> frozenset[int]:
-    """The bytes of a struct without padding."""
-    return frozenset(itertools.chain(*(place.bytes for place in layout.places)))

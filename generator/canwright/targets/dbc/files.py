@@ -15,10 +15,10 @@ from ..options import NO_OPTIONS, Options
 from . import sending
 from .comments import ENGLISH, Comments
 from .frames import Frame, Part, frames, partners
-from .names import message_endings, node_name
+from .names import known_values, message_endings, node_name
 from .selection import COMMENTS, NODES
 from .signals import Signals
-from .text import fitting, number
+from .text import fitting
 from .view import KIND, File, Message, Signal, fitted
 
 _OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY}
@@ -52,6 +52,12 @@ def reply_file(edition: Edition, assignment: Assignment) -> str | None:
     made = _with_defaults(edition)
     agreeing = (a for a in made.assignments if all(assignment.get(name, value) == value for name, value in a.items()))
     return made.name_of_replies(next(agreeing))
+
+
+def signals_of_files(edition: Edition) -> Iterator[Signal]:
+    """The signals in all files of an edition; those of several files several times."""
+    made = _with_defaults(edition)
+    return (signal for assignment in made.assignments for signal in made.signals(assignment))
 
 
 def stems(edition: Edition) -> Iterator[str]:
@@ -108,6 +114,13 @@ class _Files:
             for name, parts in contents.items():
                 yield from self._file(group, assignment, name, parts)
 
+    def signals(self, assignment: Assignment) -> Iterator[Signal]:
+        """The signals of all frames under some parameter values."""
+        for group in self._groups:
+            of_tables = (content for _, content in self._table_contents(group, assignment))
+            for content in (*self._plain_contents(group, assignment), *of_tables):
+                yield from content.signals
+
     def merged(self, same: Sequence[File]) -> Sequence[File]:
         """The files of a table for all values of the parameters; a single one if their messages are the same."""
         first = same[0]
@@ -117,11 +130,8 @@ class _Files:
         return [first._replace(known=tuple(self.known({})), comment=comment)]
 
     def known(self, assignment: Assignment) -> Iterator[str]:
-        """The parameter values in file names: a name alone, a number together with the name of its parameter."""
-        for name, value in assignment.items():
-            yield f"{name}_{value}" if self._edition.parameter(name).is_numeric else str(value)
-        for name, fixed in self._numbers.items():
-            yield f"{name}_{number(fixed)}"
+        """The parameter values in file names, with those that are set."""
+        return known_values(self._edition, {**assignment, **self._numbers})
 
     def _plain_contents(self, group: Sequence[Direction], assignment: Assignment) -> Iterator[_Content]:
         for direction in group:

@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...model import formatting
 from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame
 from ...model.message import Direction
@@ -15,7 +14,7 @@ from ..base import EditionInput, header
 from ..examples import is_usual
 from .comments import ENGLISH, languages
 from .frames import Part, frames, obstacle, unlisted_nodes
-from .names import prefix
+from .names import known_values, prefix
 from .text import number
 from .view import EXTENDED, KIND, File, Message, Signal
 
@@ -179,7 +178,7 @@ def _examples(specification: EditionInput, files: Sequence[File], direction: Dir
         if direction in file.directions and not file.table
     ]
     for frame in golden:
-        known = set(formatting.parameter_values(frame.parameters).values())
+        known = set(known_values(specification.edition, frame.parameters))
         for file, known_there, by_id in whole:
             view = by_id.get(frame.id) if known_there == known else None
             example = _example(specification.edition, file, view, frame) if view else None

@@ -14,7 +14,7 @@ from ...semantics.configured import configured
 from ...templating.environment import environment
 from ..base import CodeExample, EditionInput, NameProblem, Output, Target, WorkedExchange
 from ..options import NO_OPTIONS, Options
-from .files import files, reply_file, stems
+from .files import files, reply_file, signals_of_files, stems
 from .frames import Part, frames, unlisted_nodes
 from .guide import Made, guide
 from .names import node_name, signal_name, signals_of
@@ -76,10 +76,7 @@ class DbcTarget(Target):
         parts = [part for direction in KIND for frame in frames(edition, direction, {}) for part in frame.parts]
         first = {part.message.address: part.message.id.nodes[0] for part in parts if part.message.id.nodes}
         yield from ((("addresses", address), fitting(node_name(address, node))) for address, node in first.items())
-        made = files(edition, {}, Options({NODES: tuple(sorted(set(first.values())))}))
-        existing = {
-            signal.whole_name: signal.name for file in made for message in file.messages for signal in message.signals
-        }
+        existing = {signal.whole_name: signal.name for signal in signals_of_files(edition)}
         for part in parts:
             for field in part.message.layout.fields:
                 for path, name in _signals(part, field):
