@@ -21,7 +21,7 @@ from ...model.message import Address, Direction, IdRule, Message
 from ...semantics.bits import placed
 from ...semantics.plan import CheckConstant, message_plan
 from . import bits
-from .choices import ENUM_MAX, lacks, whole
+from .choices import ENUM_MAX, Whole, lacks
 from .expressions import call, joined, operand, working
 from .layouts import CodeChoice, LayoutView
 from .names import Names, Pattern, address_mask, member, named_patterns, pattern_of
@@ -99,7 +99,7 @@ class RuleView:
         self.check_function, self.filter_function = f"{base}_match_id", f"{base}_filter"
         self.base = f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u"
         self.has_nodes = rule.nodes is not None
-        self.whole = whole(edition, rule.parameter) if rule.parameter else None
+        self.whole = Whole(edition, rule.parameter) if rule.parameter else None
         """The parameter in the id; None without one."""
         self.start = self.base
         if self.whole:
