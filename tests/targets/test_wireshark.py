@@ -15,7 +15,7 @@ from canwright.recordings.directions import Directions
 from canwright.recordings.log_frame import LogFrame
 from canwright.semantics.frame import CanFrame
 from canwright.targets.wireshark import text
-from canwright.targets.wireshark.family import filters
+from canwright.targets.wireshark.family import Filters
 from lupa import lua52, lua54
 
 from ..recordings import motor_bus
@@ -130,7 +130,7 @@ def test_texts_that_are_no_numbers(given: str) -> None:
 
 def test_a_field_has_one_kind_in_all_editions() -> None:
     editions = [_edition(f"spec/mwd_motor/{name}.yaml") for name in ("v2.35", "v2.36-2025-03")]
-    fields: list[Any] = list(filters(editions).fields)
+    fields: list[Any] = list(Filters(editions).fields)
     kinds = {field["name"]: field["kind"] for field in fields}
     assert kinds["voltage"] == "double" and kinds["motor_state"] == "uint32" and kinds["iq"] == "double"
 

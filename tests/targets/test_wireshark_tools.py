@@ -20,7 +20,7 @@ from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoder, Identified
 from canwright.semantics.frame import CanFrame
 from canwright.targets.base import EditionInput, Output
-from canwright.targets.wireshark.family import filters, flag_filter, preference
+from canwright.targets.wireshark.family import Filters, flag_filter, preference
 from canwright.targets.wireshark.target import WiresharkTarget
 
 from ..spec_texts import MINIMAL, ROOT, SPECS, called
@@ -45,7 +45,7 @@ class Replay:
         self._script = folder / f"{item.edition.family}.lua"
         texts = {output.path: output.text for output in WiresharkTarget().generate([item], {})}
         self._script.write_text(texts[self._script.name], "utf-8")
-        self._filters = filters([item.edition]).names
+        self._filters = Filters([item.edition]).names
         self._decoder = Decoder(item.edition)
         self.failures: list[str] = []
         self.passed = 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from ...model.edition import Edition
 from ...model.message import Command
@@ -72,20 +72,14 @@ def parameter_access(parameter: str) -> str:
     return f"parameters->{member(parameter)}"
 
 
-class Whole(NamedTuple):
+class Whole:
     """A parameter in an id or a constant: the call that checks it, its value, and the condition that it is unknown."""
 
-    check: str
-    value: str
-    unknown: str
-
-
-def whole(edition: Edition, name: str) -> Whole:
-    """The expressions of a parameter in an id or a constant."""
-    parameter, access = edition.parameter(name), parameter_access(name)
-    low, high = parameter.minimum or 0, parameter.maximum or 0
-    check = f"canwright_check_whole(&{access}, {low}, {high})"
-    return Whole(check, f"canwright_whole(&{access})", f"{access}.denominator == 0u")
+    def __init__(self, edition: Edition, name: str) -> None:
+        parameter, access = edition.parameter(name), parameter_access(name)
+        self.check = f"canwright_check_whole(&{access}, {parameter.minimum or 0}, {parameter.maximum or 0})"
+        self.value = f"canwright_whole(&{access})"
+        self.unknown = f"{access}.denominator == 0u"
 
 
 def parameter_literal(names: Names, parameter: Parameter, value: str | Fraction | int | None) -> str:

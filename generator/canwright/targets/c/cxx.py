@@ -14,7 +14,7 @@ from . import messages as c
 from .conversions import ConversionView
 from .examples import ExchangeView
 from .layouts import MemberView
-from .names import RESERVED, layouts, member
+from .names import RESERVED, Names, layouts, member
 from .types import TypeView
 from .view import DirectionView, EditionView
 
@@ -80,13 +80,12 @@ class TypeTraits:
         """The conversions that it does not have."""
 
 
-class Presence(NamedTuple):
+class Presence:
     """The nodes that have a field: those with some values of a parameter."""
 
-    name: str
-    parameter: str
-    unknown: str
-    values: tuple[str, ...]
+    def __init__(self, names: Names, name: str, parameter: str, *values: str) -> None:
+        self.name, self.parameter, self.unknown = name, member(parameter), names.upper(parameter, "unknown")
+        self.values = [names.upper(parameter, value) for value in values]
 
 
 class FieldView(NamedTuple):
@@ -159,7 +158,7 @@ class CxxView:
         presences = dict.fromkeys(
             (layout.parameter or "", *field.only) for layout, own in self._fields.items() for field in own if field.only
         )
-        self._presences = {key: self._presence(f"only_{place}", key) for place, key in enumerate(presences, 1)}
+        self._presences = {key: Presence(self.names, f"only_{place}", *key) for place, key in enumerate(presences, 1)}
         self.presences = list(self._presences.values())
 
         self.namespace = f"{member(edition.family)}::{edition.identifier}"
@@ -197,11 +196,6 @@ class CxxView:
                 type_ = view.of_type[item]
                 members, function = _enumerators(type_.names), f"{type_.name}_name"
                 yield EnumView(name, type_.kind, f"{type_.heading}.", members, function, type_.kind)
-
-    def _presence(self, name: str, key: tuple[str, ...]) -> Presence:
-        parameter, *values = key
-        names = tuple(self.names.upper(parameter, value) for value in values)
-        return Presence(name, member(parameter), self.names.upper(parameter, "unknown"), names)
 
     def _code(self, layout: Layout) -> MemberView | None:
         """The member with the code; None if there is none."""

@@ -133,16 +133,12 @@ def _answer(messages: Messages, plan: ExchangePlan) -> Iterator[str]:
     reply = plan.reply
     message = messages.message(reply)
     rule = message.pattern.rule
-    if not plan.is_echo:
-        node = "&from, " if rule.has_nodes else ""
-        known = ", parameters" if rule.whole else ""
-        calls = [
-            f"{message.pattern.name}_match({node}{', '.join(('reply', f'{message.dlc}u', *codes))}{known}) == CANWRIGHT_OK"
-            for codes in _answering_codes(plan.request, reply, message.codes)
-        ]
-        yield joined("||", calls)
-    else:
+    if plan.is_echo:
         yield rule.has_id("&from", frame_id(reply, "reply"))
+    else:
+        match, start = f"{message.pattern.name}_match", ("&from" if rule.has_nodes else "", "reply", f"{message.dlc}u")
+        calls = (rule.call(match, *start, *codes) for codes in _answering_codes(plan.request, reply, message.codes))
+        yield joined("||", [f"{call} == CANWRIGHT_OK" for call in calls])
     if rule.has_nodes and plan.nodes:
         yield _one_of("from", plan.nodes)
     elif rule.has_nodes and plan.request.id.nodes is not None and plan.asked is None:
@@ -161,11 +157,8 @@ def _node_fields(plan: ExchangePlan) -> Iterator[str]:
     if plan.nodes or (asked is None and (reported is None or plan.request.id.nodes is None)):
         return
     sent_to = "to" if asked is None else operand(bits.key_value(asked, "request"))
-    sources: list[tuple[str, BitRun | None]] = []
-    if reply.id.nodes is not None and asked is not None:
-        sources.append(("from", None))
-    if reported is not None:
-        sources.append((operand(bits.key_value(reported, "reply")), reported))
+    sources: list[tuple[str, BitRun | None]] = [("from", None)] if reply.id.nodes is not None and asked else []
+    sources += [(operand(bits.key_value(reported, "reply")), reported)] if reported else []
     for source, key in sources:
         width = min(bits_.width for bits_ in (asked, key) if bits_ is not None)
         yield f"{_low_bits(source, key, width)} == {_low_bits(sent_to, asked, width)}"

@@ -98,11 +98,8 @@ class ExampleView:
 
 def _commands(edition: Edition, known: Assignment) -> Iterator[Command]:
     """The commands with fields in a reply of their own from the addressed node."""
-    for command in edition.commands:
-        reply = command.reply
-        if reply is None or reply.command != command.name or not reply.layout.fields or command.from_each:
-            continue
-        if command.available(known):
+    for command in (command for command in edition.commands if command.available(known) and not command.from_each):
+        if command.reply and command.reply.command == command.name and command.reply.layout.fields:
             yield command
 
 

@@ -27,7 +27,7 @@ from ...semantics.plan import (
 )
 from . import bits
 from .checksums import ChecksumView
-from .choices import Branch, parameter_access, whole
+from .choices import Branch, Whole, parameter_access
 from .expressions import Integer, braces, integer, joined, operand, raw_of, smallest, stored_literal, working
 from .names import Names, member
 from .text import errata, field_facts, heading, literal, with_deprecation
@@ -119,7 +119,7 @@ class LayoutView:
         self.chooses = layout.parameter is not None
         """True if a parameter decides which fields exist."""
         parametric = {
-            step.field: whole(edition, step.parameter) for step in plan.decoding if isinstance(step, CheckParameter)
+            step.field: Whole(edition, step.parameter) for step in plan.decoding if isinstance(step, CheckParameter)
         }
         self.constants = [(known, f"{bits.constant_read(f)} != {known.value}") for f, known in parametric.items()]
         """The constants that are parameters, each with the condition for a frame with another value."""

@@ -21,7 +21,7 @@ from ...model.message import Address, Direction, IdRule, Message
 from ...semantics.bits import placed
 from ...semantics.plan import CheckConstant, message_plan
 from . import bits
-from .choices import ENUM_MAX, lacks, whole
+from .choices import ENUM_MAX, Whole, lacks
 from .expressions import call, joined, operand, working
 from .layouts import CodeChoice, LayoutView
 from .names import Names, Pattern, address_mask, member, named_patterns, pattern_of
@@ -33,36 +33,29 @@ MANY_NODES = 1 << 16
 """Of so many ids, all bits between the lowest and the highest that differ are different somewhere."""
 
 
-class Filter(NamedTuple):
-    """The frames of an address: `id` and `mask` of one node, without the part of the id that depends on the node."""
+class Filter:
+    """The frames of an address, for which there is at least one message."""
 
-    id: int
-    mask: int
-    all_id: int
-    """The id for all nodes."""
-    all_mask: int
-    """The mask for all nodes."""
-    is_exact: bool
-    """False if the filter for all nodes also accepts ids that the address does not have."""
-
-
-def address_filter(edition: Edition, address: Address, direction: Direction) -> Filter:
-    """The filter for the messages of an address; there is at least one."""
-    rule = address.rule(direction)
-    kind, width = (EXTENDED, EXTENDED_BITS) if rule.extended else (0, STANDARD_BITS)
-    messages = [m for m in edition.of_rule(direction, rule) if m.address == address.name]
-    patterns = [pattern for message in messages for pattern in _patterns(message)]
-    values = [value for value, _ in patterns]
-    mask = (EXTENDED | REMOTE | width) & ~(_differing(values) | reduce(or_, (free for _, free in patterns)))
-    nodes = rule.nodes or range(1)
-    first, last = (rule.base + node * rule.node_step for node in (nodes[0], nodes[-1]))
-    if len(nodes) < MANY_NODES:
-        of_nodes = _differing(range(first, last + 1, rule.node_step))
-    else:
-        of_nodes = ((1 << (first ^ last).bit_length()) - 1) & -(rule.node_step & -rule.node_step)
-    all_mask = mask & ~of_nodes
-    is_exact = 1 << of_nodes.bit_count() == len(nodes)
-    return Filter(values[0] & mask, mask, (values[0] | first | kind) & all_mask, all_mask, is_exact)
+    def __init__(self, edition: Edition, address: Address, direction: Direction) -> None:
+        rule = address.rule(direction)
+        kind, width = (EXTENDED, EXTENDED_BITS) if rule.extended else (0, STANDARD_BITS)
+        messages = [m for m in edition.of_rule(direction, rule) if m.address == address.name]
+        patterns = [pattern for message in messages for pattern in _patterns(message)]
+        values = [value for value, _ in patterns]
+        self.mask = (EXTENDED | REMOTE | width) & ~(_differing(values) | reduce(or_, (free for _, free in patterns)))
+        self.id = values[0] & self.mask
+        """Id and mask of one node, without the part of the id that depends on the node."""
+        nodes = rule.nodes or range(1)
+        first, last = (rule.base + node * rule.node_step for node in (nodes[0], nodes[-1]))
+        if len(nodes) < MANY_NODES:
+            of_nodes = _differing(range(first, last + 1, rule.node_step))
+        else:
+            of_nodes = ((1 << (first ^ last).bit_length()) - 1) & -(rule.node_step & -rule.node_step)
+        self.all_mask = self.mask & ~of_nodes
+        self.all_id = (values[0] | first | kind) & self.all_mask
+        """Those for all nodes."""
+        self.is_exact = 1 << of_nodes.bit_count() == len(nodes)
+        """False if the filter for all nodes also accepts ids that the address does not have."""
 
 
 def _patterns(message: Message) -> Iterator[tuple[int, int]]:
@@ -90,7 +83,7 @@ class RuleView:
 
     def __init__(self, names: Names, edition: Edition, address: Address, direction: Direction) -> None:
         rule = address.rule(direction)
-        accepted = address_filter(edition, address, direction)
+        accepted = Filter(edition, address, direction)
         base = names.lower(address.name, direction.value)
         mask = address_mask(edition, address.name, direction)
         self.direction = direction.value
@@ -99,7 +92,7 @@ class RuleView:
         self.check_function, self.filter_function = f"{base}_match_id", f"{base}_filter"
         self.base = f"0x{rule.base | (EXTENDED if rule.extended else 0):X}u"
         self.has_nodes = rule.nodes is not None
-        self.whole = whole(edition, rule.parameter) if rule.parameter else None
+        self.whole = Whole(edition, rule.parameter) if rule.parameter else None
         """The parameter in the id; None without one."""
         self.start = self.base
         if self.whole:

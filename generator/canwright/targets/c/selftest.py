@@ -38,13 +38,14 @@ Raws = Mapping[str, RawValue]
 T = TypeVar("T")
 
 
-class LayoutTable(NamedTuple):
+class LayoutTable:
     """The raw integers of all cases that use a layout; `same` are the conditions for equal fields."""
 
-    view: LayoutView
-    member: str
-    same: Iterable[str]
-    entries: Iterable[str]
+    def __init__(self, view: LayoutView, layout: Layout, entries: Iterable[str]) -> None:
+        raws = [raw_of(field.type, number) for field in layout.given for number in numbers(field)]
+        raws += [FRAME_CODE] if view.code else []
+        self.view, self.member, self.entries = view, _table(layout), entries
+        self.same = [f"one->{raw} == other->{raw}" for raw in raws]
 
 
 class Case(NamedTuple):
@@ -85,7 +86,10 @@ class SelfTest:
         for case in itertools.chain(*every):
             self.cases.append(case._replace(comment=f"{number}: {case.comment}"))
             number += case.golden is not None
-        self.layouts = [self._layout(layout, entries) for layout, entries in self._raws.items()]
+        self.layouts = [
+            LayoutTable(view.message(edition.of_layout(layout)[0]).layout, layout, entries)
+            for layout, entries in self._raws.items()
+        ]
         numbers = {layout: number for number, layout in enumerate(self._raws, 1)}
         self.messages = [(view.message(m), numbers.get(m.layout, 0), _table(m.layout)) for m in self._messages]
         """Each message with the number and the name of the table of its raw integers."""
@@ -178,12 +182,6 @@ class SelfTest:
         """The index of parameters in their table; 0 if the edition has none."""
         values = (parameter_literal(self._names, p, known.get(p.name)) for p in self._edition.parameters)
         return _index(self._known, braces(*values)) if self._edition.parameters else 0
-
-    def _layout(self, layout: Layout, entries: Iterable[str]) -> LayoutTable:
-        view = self._view.message(self._edition.of_layout(layout)[0]).layout
-        raws = [raw_of(field.type, number) for field in layout.given for number in numbers(field)]
-        raws += [FRAME_CODE] if view.code else []
-        return LayoutTable(view, _table(layout), [f"one->{raw} == other->{raw}" for raw in raws], entries)
 
 
 def _table(layout: Layout) -> str:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from ...model.edition import Edition
 from ...model.formatting import english
 from ...model.joined import JoinedText
 from ...model.types import Encoding, Linear, NoValue, Type
-from .choices import Choice
 from .conversions import NO_SCALE, ConversionView, Formula, by_scale, milli
 from .expressions import INT64, Integer, integer, raw_of, stored
 from .floating import DOUBLE, SINGLE, floating, has_floating, initializer, is_wide, raw_kind
@@ -23,32 +21,24 @@ UNKNOWN_SCALE = 6
 """The number of decimals of a scale that depends on a number parameter, and of a float."""
 
 
-class ShowView(NamedTuple):
-    """How a number is printed: `formulas` by parameter value; one with a status prints the raw integer.
+class ShowView:
+    """How a number is printed: `formulas` by parameter value; one with a status prints the raw integer by `raw`."""
 
-    `unit` is the string literal that follows a value; empty if no alternative has a value, or if there is no unit.
-    """
+    def __init__(self, names: Names, type_: Type) -> None:
+        kind, item = raw_kind(type_), raw_of(type_, "raw")
+        plain = f"canwright_print_{kind if kind == 'signed' else 'unsigned'}(printer, {item});"
 
-    formulas: Choice[Formula]
-    raw: str
-    unit: str
+        def formula(linear: Linear) -> Formula:
+            if linear.is_identity and type_.encoding is not Encoding.FLOAT:
+                return Formula(number=plain)
+            numbers = initializer(linear, type_)
+            call = f"canwright_print_value_{kind}(printer, {item}, &linear, {decimals(type_, linear)}u);"
+            return Formula(number=call, linear=numbers) if numbers else NO_SCALE
 
-
-def show(names: Names, type_: Type) -> ShowView:
-    kind = raw_kind(type_)
-    item = raw_of(type_, "raw")
-    plain = f"canwright_print_{kind if kind == 'signed' else 'unsigned'}(printer, {item});"
-
-    def formula(linear: Linear) -> Formula:
-        if linear.is_identity and type_.encoding is not Encoding.FLOAT:
-            return Formula(number=plain)
-        numbers = initializer(linear, type_)
-        call = f"canwright_print_value_{kind}(printer, {item}, &linear, {decimals(type_, linear)}u);"
-        return Formula(number=call, linear=numbers) if numbers else NO_SCALE
-
-    formulas = by_scale(names, type_, formula, NO_SCALE)
-    has_value = any(not formula_.status for formula_ in formulas.alternatives)
-    return ShowView(formulas, plain, literal(f" {type_.unit.dbc}") if type_.unit and has_value else "")
+        self.raw, self.formulas = plain, by_scale(names, type_, formula, NO_SCALE)
+        has_value = any(not formula_.status for formula_ in self.formulas.alternatives)
+        self.unit = literal(f" {type_.unit.dbc}") if type_.unit and has_value else ""
+        """The string literal that follows a value; empty if no alternative has a value, or if there is no unit."""
 
 
 def decimals(type_: Type, linear: Linear) -> int:
@@ -85,7 +75,7 @@ class TypeView:
         """Conversions by the ending of their names."""
         self.joined, self.is_text = type_.joined, isinstance(type_.joined, JoinedText)
         """How elements are joined, and whether that is as a text."""
-        self.show = show(names, type_)
+        self.show = ShowView(names, type_)
         self.use = f"Raw {'bits' if self.is_float else 'integer'}, type {stem}{_functions(type_, stem, self.milli or self.double)}."
         """A sentence with the type and its functions, for comments of fields."""
         lacking = list(_lacking(type_, self.milli))

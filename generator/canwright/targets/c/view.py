@@ -105,7 +105,9 @@ class EditionView:
         self.prefix, self.PREFIX = names.lower(""), names.upper("")
         self.family, self.file = edition.family, edition.identifier
         self.title = english(edition.title)
-        self.doc = _edition_doc(edition)
+        manual = english(edition.manual)
+        sections = f"Numbers in brackets are sections of: {manual}." if manual else ""
+        self.doc = [text for text in (english(edition.about), sections) if text]
         self.facts = list(_facts(names, edition))
         self.parameters = edition.parameters
         types = {field.type for layout in used for field in layout.fields}
@@ -167,12 +169,6 @@ class EditionView:
 def edition_view(edition: Edition) -> EditionView:
     """Everything that the templates of an edition print; cached, because examples on pages use it, too."""
     return EditionView(edition)
-
-
-def _edition_doc(edition: Edition) -> list[str]:
-    manual = english(edition.manual)
-    source = f"Numbers in brackets are sections of: {manual}." if manual else ""
-    return [text for text in (english(edition.about), source) if text]
 
 
 def _facts(names: Names, edition: Edition) -> Iterator[MacroView]:

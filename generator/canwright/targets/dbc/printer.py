@@ -7,7 +7,6 @@ The messages of these nodes have one tuple of signals, whose texts are created o
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 from .sending import SEND_TYPES
 from .text import text
@@ -35,37 +34,28 @@ _LONG_NAMES = {"BO_": "SystemMessageLongSymbol", "SG_": "SystemSignalLongSymbol"
 """The attributes with the whole names of messages and signals."""
 
 
-class _Texts(NamedTuple):
+class _Texts:
     """What the lines of a signal have in common for every node; empty where it has no such line."""
 
-    signal: str
-    start_value: str
-    values: str
-    float_kind: str
-    long_name: str
+    def __init__(self, signal: Signal) -> None:
+        name = f"{signal.name} {signal.mux}" if signal.mux else signal.name
+        numbers = signal.numbers
+        bits = f"{signal.start}|{len(signal.bits)}@{0 if signal.big_endian else 1}{'-' if numbers.signed else '+'}"
+        limits = f"({numbers.factor},{numbers.offset}) [{numbers.minimum}|{numbers.maximum}]"
+        has_start = numbers.start_value or not float(numbers.minimum) <= 0 <= float(numbers.maximum)
+        values = " ".join(f'{value} "{text(name)}"' for value, name in signal.values)
+        self.signal = f' SG_ {name} : {bits} {limits} "{text(numbers.unit)}"'
+        self.start_value = f"{signal.name} {numbers.start_value}" if has_start else ""
+        self.values = f"{signal.name} {values}" if values else ""
+        self.float_kind = f"{signal.name} : {numbers.float_kind}" if numbers.float_kind else ""
+        self.long_name = f'{signal.name} "{signal.long_name}"' if signal.long_name else ""
 
 
 def printed(file: File) -> str:
     """The file, in the order of sections that the format requires."""
     distinct = {id(message.signals): message.signals for message in file.messages}
-    texts = {number: [_texts(signal) for signal in signals] for number, signals in distinct.items()}
+    texts = {number: [_Texts(signal) for signal in signals] for number, signals in distinct.items()}
     return "".join(f"{line}\n" for line in _lines(file, [(m, texts[id(m.signals)]) for m in file.messages]))
-
-
-def _texts(signal: Signal) -> _Texts:
-    name = f"{signal.name} {signal.mux}" if signal.mux else signal.name
-    numbers = signal.numbers
-    bits = f"{signal.start}|{len(signal.bits)}@{0 if signal.big_endian else 1}{'-' if numbers.signed else '+'}"
-    limits = f"({numbers.factor},{numbers.offset}) [{numbers.minimum}|{numbers.maximum}]"
-    has_start = numbers.start_value or not float(numbers.minimum) <= 0 <= float(numbers.maximum)
-    values = " ".join(f'{value} "{text(name)}"' for value, name in signal.values)
-    return _Texts(
-        signal=f' SG_ {name} : {bits} {limits} "{text(numbers.unit)}"',
-        start_value=f"{signal.name} {numbers.start_value}" if has_start else "",
-        values=f"{signal.name} {values}" if values else "",
-        float_kind=f"{signal.name} : {numbers.float_kind}" if numbers.float_kind else "",
-        long_name=f'{signal.name} "{signal.long_name}"' if signal.long_name else "",
-    )
 
 
 def _lines(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> Iterator[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 from ...diagnostics.unicode_safety import visible
 from ...model import formatting
@@ -28,19 +27,19 @@ def family_view(editions: Sequence[Edition]) -> Mapping[str, object]:
         for parameter in edition.parameters:
             by_name.setdefault(parameter.name, []).append((edition, parameter))
     settings = [("edition", first.name), *((preference(p.name), _typical(p)) for p in first.parameters)]
-    filters_ = filters(editions)
+    filters = Filters(editions)
     return {
         "editions": editions,
         "name": first.family,
         "title": text.english(first.title),
         "headers": [visible(header(edition)) for edition in editions],
         "tables": [LuaTables(edition).view() for edition in editions],
-        "fields": filters_.fields,
+        "fields": filters.fields,
         "parameters": [_parameter(same) for same in by_name.values()],
         # settings of a node in the preference `nodes`: the last edition with a value of each of its parameters
         "nodes": " ".join([last.name, *(f"{p.name}={_typical(p)}" for p in last.parameters)]),
         "command": next((command.name for command in first.commands if command.request), ""),
-        "field": next(iter(filters_.names.values()), ""),
+        "field": next(iter(filters.names.values()), ""),
         "options": " ".join(f"-o {first.family}.{option}:{value}" for option, value in settings),
     }
 
@@ -82,24 +81,19 @@ OWN_NAMES = frozenset(
 """Names that the dissector uses itself."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class Filters:
-    """The names of fields in filters, by their names in the spec, and the fields as Lua tables."""
-
-    names: dict[str, str]
-    fields: tuple[Table, ...]
-
-
-def filters(editions: Iterable[Edition]) -> Filters:
     """The fields of the editions of one family."""
-    by_name: dict[str, list[Field]] = {}
-    for edition in editions:
-        for layout in dict.fromkeys(message.layout for message in edition.all_messages()):
-            for field in layout.fields:
-                if field.is_given or field.checksum:
-                    by_name.setdefault(field.name, []).append(field)
-    names = {name: f"{name}_" if name in OWN_NAMES else name for name in by_name}
-    return Filters(names=names, fields=tuple(_field(names[name], same) for name, same in by_name.items()))
+
+    def __init__(self, editions: Iterable[Edition]) -> None:
+        by_name: dict[str, list[Field]] = {}
+        for edition in editions:
+            for layout in dict.fromkeys(message.layout for message in edition.all_messages()):
+                for field in layout.fields:
+                    if field.is_given or field.checksum:
+                        by_name.setdefault(field.name, []).append(field)
+        self.names = {name: f"{name}_" if name in OWN_NAMES else name for name in by_name}
+        """The names in filters, by the names in the spec."""
+        self.fields = [_field(self.names[name], same) for name, same in by_name.items()]
 
 
 def flag_filter(name: str) -> str:

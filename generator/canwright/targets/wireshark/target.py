@@ -12,7 +12,7 @@ from ...templating.environment import environment
 from ..base import EditionInput, Output, Target
 from ..options import NO_OPTIONS, Options
 from . import text
-from .family import family_view, filters, preference
+from .family import Filters, family_view, preference
 
 RUNTIME = Path(__file__).parent / "runtime"
 """The code that is the same for every protocol."""
@@ -40,7 +40,7 @@ class WiresharkTarget(Target):
 
     def exported_names(self, edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
         """The names of fields in filters, and of preferences."""
-        shared = filters([edition]).names
+        shared = Filters([edition]).names
         yield from ((("parameters", p.name), preference(p.name)) for p in edition.parameters)
         for field in (f for message in edition.all_messages() for f in message.layout.fields if f.name in shared):
             yield field.path, f"{edition.family}.{shared[field.name]}"
