@@ -43,7 +43,6 @@ from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner, Result
 
 from ..spec_texts import MINIMAL, ROOT, SPECS, WITHOUT_SETTINGS_IN_IDS, called
-from .test_readers import LOG_FORMATS
 from .traffic import Loss, Sent, Traffic
 
 V2_35 = ROOT / "spec/mwd_motor/v2.35.yaml"
@@ -583,28 +582,6 @@ def test_a_table_with_a_summary() -> None:
     assert "values depend on `encoder_bits`" not in text
     without = decode(MIXED, *SETTINGS).stdout
     assert "values depend on `encoder_bits` (can0, node 1): --set encoder_bits=14|15|18" in without
-
-
-@pytest.mark.parametrize("suffix", LOG_FORMATS)
-def test_logs_of_every_format_give_the_same_rows(suffix: str) -> None:
-    def facts(text: str) -> list[object]:
-        return [[row[key] for key in ("frame", "direction", "command", "request", "fields")] for row in json_rows(text)]
-
-    expected = facts(decode(MIXED, *SETTINGS[2:], "--set", "1:edition=v2.35", "--format", "jsonl").stdout)
-    with can.Logger(f"log.{suffix}") as writer:
-        for line in MIXED.splitlines():
-            time, bus, frame = line.split()
-            id_, _, data = frame.partition("#")
-            message = can.Message(
-                float(time[1:-1]), int(id_, 16), False, data=bytes.fromhex(data), channel=int(bus[-1])
-            )
-            writer.on_message_received(message)
-    result = run(f"log.{suffix}", *SETTINGS[2:], "--set", "1:edition=v2.35", "--format", "jsonl")
-    decoded = facts(result.stdout)
-    if suffix == "csv":  # python-can writes no bus
-        assert len(decoded) == len(expected)
-    else:
-        assert decoded == expected
 
 
 def test_everything_that_is_not_decoded_is_reported() -> None:

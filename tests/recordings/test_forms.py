@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import bz2
-import contextlib
-import random
 import re
 import struct
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,8 +13,6 @@ import pytest
 from canwright.recordings.log_frame import Counts, LogFrame, Mark, SkippedPart
 from canwright.recordings.readers import LogError, open_log
 from canwright.semantics.frame import CanFrame
-
-from .test_hostile_logs import mutated
 
 SENT, RECEIVED = Mark.SENT, Mark.RECEIVED
 FRAMES = [
@@ -280,15 +275,3 @@ def test_a_database_of_another_program(tmp_path: Path) -> None:
     database.close()
     with open_log(str(file)) as log, pytest.raises(LogError, match="no table `messages`"):
         list(log)
-
-
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(2, 200))])
-@pytest.mark.parametrize("name", LOGS)
-def test_mutants_end_soon_with_frames_or_a_sentence(tmp_path: Path, name: str, seed: int) -> None:
-    chance = random.Random(f"{name} {seed}")
-    for _ in range(20):
-        mutant = mutated(LOGS[name], chance)
-        start = time.process_time()
-        with contextlib.suppress(LogError):
-            read(tmp_path, mutant)
-        assert time.process_time() - start < 2, mutant

@@ -19,6 +19,7 @@ from canwright.recordings.log_frame import Counts, LogFrame, SkippedPart
 from canwright.recordings.readers import LogError, open_log
 
 from ..spec_texts import ROOT
+from .test_forms import LOGS
 
 ASC = "base hex  timestamps absolute\n"
 ASC_FRAME = "   0.5 1  141  Rx   d 8 9A 00 00 00 00 00 00 00\n"
@@ -177,36 +178,33 @@ def test_a_time_of_a_table_beyond_64_bits_is_unknown(tmp_path: Path, stamp: str)
     assert len(frames) == 1 and counts.skipped == {SkippedPart.MALFORMED: 1}
 
 
-FORMS = ["asc", "blf", "trc", "csv", "log", "savvycan", "trc2", "terminal", "utf-16", "gz"]
+WRITTEN = ["asc", "blf", "trc", "csv", "log"]
+WHOLE = {
+    **LOGS,
+    "savvycan": (SAVVYCAN + 9 * SAVVYCAN_FRAME).encode(),
+    "trc2": (TRC2 + 9 * TRC2_FRAME).encode(),
+    "terminal": 9 * b" (1.5)  can0  RX - -  141   [8]  9A 00 00 00 00 00 00 00\n",
+    "utf-16": (SAVVYCAN + 9 * SAVVYCAN_FRAME).encode("utf-16"),
+    "gz": gzip.compress((ASC + 9 * ASC_FRAME).encode(), mtime=0),
+}
+"""Logs without damage; those of the forms WRITTEN are written by python-can."""
 
 
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(2, 200))])
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("form", [*WRITTEN, *WHOLE])
 def test_mutants_end_soon_with_frames_or_a_sentence(tmp_path: Path, form: str, seed: int) -> None:
     """Logs with bytes that are changed, removed, repeated or cut off."""
-    whole = _whole(tmp_path, form)
+    whole = WHOLE.get(form) or _written(tmp_path, form)
     chance = random.Random(f"{form} {seed}")
     for _ in range(10):
-        mutant = mutated(whole, chance)
+        mutant = _mutated(whole, chance)
         start = time.process_time()
         with contextlib.suppress(LogError):
             _read(tmp_path, mutant)
         assert time.process_time() - start < 2, mutant
 
 
-def _whole(tmp_path: Path, form: str) -> bytes:
-    """A log of a form without damage."""
-    texts = {
-        "savvycan": SAVVYCAN + 9 * SAVVYCAN_FRAME,
-        "trc2": TRC2 + 9 * TRC2_FRAME,
-        "terminal": 9 * " (1.5)  can0  RX - -  141   [8]  9A 00 00 00 00 00 00 00\n",
-    }
-    if form == "utf-16":
-        return texts["savvycan"].encode(form)
-    if form == "gz":
-        return gzip.compress((ASC + 9 * ASC_FRAME).encode(), mtime=0)
-    if form in texts:
-        return texts[form].encode()
+def _written(tmp_path: Path, form: str) -> bytes:
     file = tmp_path / f"whole.{form}"
     with can.Logger(str(file)) as writer:
         for number in range(9):
@@ -214,7 +212,7 @@ def _whole(tmp_path: Path, form: str) -> bytes:
     return file.read_bytes()
 
 
-def mutated(whole: bytes, chance: random.Random) -> bytes:
+def _mutated(whole: bytes, chance: random.Random) -> bytes:
     content = bytearray(whole)
     for _ in range(chance.choice([1, 1, 2, 8])):
         start = chance.randrange(len(content) + 1)

@@ -39,11 +39,8 @@ _MARKS = (Mark.SENT, Mark.RECEIVED, None)
 EXTENDED, REMOTE = 1, 2
 """The bits of `kind`."""
 
-_UNCERTAIN, _ENDS, _CLOSES, _WAITS = range(4)
-"""How many frames after a request no exchange is open: it ends before the next frame, or this closes it, or a later frame
-decides on this."""
-_LOOKED_AFTER = 8
-"""The number of frames of a node after a frame that waits which are searched for one that decides on it."""
+_UNCERTAIN, _ENDS, _CLOSES = range(3)
+"""How many frames after a request no exchange is open: it ends before the next frame, or this closes it."""
 _ABSENT, _ANY = -2, -1
 """Numbers in place of a node: the frame concerns none, or frames without a node."""
 
@@ -314,13 +311,11 @@ class _Log:
     def _forget(self) -> None:
         """Forgets the classes of frames, and what follows from them."""
         self._classes = _Classes(self._edition, self._window, is_separate=self._sharing is not _Sharing.NODES)
-        self._pairs, self._triples = _Numbers(), _Numbers()
+        self._pairs = _Numbers()
         self._allowed: Array = np.empty(0, np.uint8)
         """The directions that each kind of frames allows."""
         self._of_pairs: list[int] = []
         """What each kind of frames shows after each kind of requests."""
-        self._of_triples: list[int] = []
-        """What each kind of frames shows after a request and a frame that waits."""
 
     @cached_property
     def _directions(self) -> Directions:
@@ -490,55 +485,21 @@ class _Log:
         within, window = times[entries.classes[first]].T
         steps[first[gap > window]] = _ENDS
         first, is_soon = first[gap <= window], (gap <= within)[gap <= window]
-        keys = entries.kinds[first].astype(np.uint64) << 32 | self._following(block, entries, first, 1, is_soon)
+        second, data = first + 1, _integers(block, entries.rows)
+        bits = is_soon | (data[first] == data[second]) << 1 | entries.opens[second] << 2
+        keys = entries.kinds[first].astype(np.uint64) << 32 | (entries.kinds[second] << 3 | bits).astype(np.uint64)
         pairs, new = self._pairs.of(keys)
-        self._of_pairs += [self._verdict(block, entries, at, at + 1) for at in first[new].tolist()]
-        verdicts = np.array(self._of_pairs, np.uint8)[pairs]
-        steps[first] = verdicts % _WAITS
-        waits = verdicts == _WAITS
-        steps[self._with_waiting_replies(block, entries, first[waits], pairs[waits])] = _CLOSES
+        self._of_pairs += [self._verdict(block, entries, at) for at in first[new].tolist()]
+        steps[first] = np.array(self._of_pairs, np.uint8)[pairs]
         return steps
 
-    def _following(self, block: FrameArrays, entries: _Entries, places: Array, distance: int, is_soon: Array) -> Array:
-        """The properties of the frames some places later on which it depends what they mean after these frames."""
-        later, data = places + distance, _integers(block, entries.rows)
-        bits = is_soon | (data[places] == data[later]) << 1 | entries.opens[later] << 2
-        properties: Array = (entries.kinds[later] << 3 | bits).astype(np.uint64)
-        return properties
-
-    def _with_waiting_replies(self, block: FrameArrays, entries: _Entries, first: Array, pairs: Array) -> Array:
-        """The requests whose next frame can be a request too, but replies, as one of the frames after it shows."""
-        replied = [first[:0]]
-        times = np.array([(rule.within, rule.bus_window) for rule in self._classes.rules], np.int64).reshape(-1, 2)
-        for distance in range(2, _LOOKED_AFTER + 2):
-            inside = first + distance < entries.nodes.size
-            first, pairs = first[inside], pairs[inside]
-            own = entries.nodes[first] == entries.nodes[first + distance]
-            first, pairs = first[own], pairs[own]
-            later = first + distance
-            gap = entries.clock[later] - entries.clock[first + 1]
-            within, window = times[entries.classes[first]].T
-            keys = (pairs << 1 | (gap > window)).astype(np.uint64) << 32
-            triples, new = self._triples.of(keys | self._following(block, entries, first, distance, gap <= within))
-            self._of_triples += [self._verdict(block, entries, at, at + 1, at + distance) for at in first[new].tolist()]
-            verdicts = np.array(self._of_triples, np.uint8)[triples]
-            replied.append(first[verdicts == _CLOSES])
-            first, pairs = first[verdicts == _WAITS], pairs[verdicts == _WAITS]
-        return np.concatenate(replied)
-
-    def _verdict(self, block: FrameArrays, entries: _Entries, *places: int) -> int:
-        """What a later frame shows of a request and the frame after it."""
-        frames = [self._log_frame(block, entries, at) for at in places]
-        request, second, *later = [self._trial.accept(frame) for frame in frames]
-        last = later[0] if later else second
-        open_ = {*self._trial.forget(frames[0].bus)}
-        following = second.directed if isinstance(second, PendingFrame) else second
-        if following is None:
-            return _WAITS if last is second or isinstance(last, DirectedFrame) else _UNCERTAIN
-        is_reply = following.request == request.number
-        if isinstance(last, PendingFrame) or not open_ <= {last.number} or (later and not is_reply):
+    def _verdict(self, block: FrameArrays, entries: _Entries, at: int) -> int:
+        """What the frame after a request shows of it."""
+        _, second = (self._trial.accept(self._log_frame(block, entries, place)) for place in (at, at + 1))
+        open_ = {*self._trial.forget(self._names[entries.nodes[at]][0])}
+        if isinstance(second, PendingFrame) or not open_ <= {second.number}:
             return _UNCERTAIN
-        return _ENDS if open_ and not later else _CLOSES
+        return _ENDS if open_ else _CLOSES
 
 
 class _Sharing(Enum):
