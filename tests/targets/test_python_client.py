@@ -322,6 +322,33 @@ def test_a_full_queue_and_a_lost_bus_are_outcomes(bench: Make) -> None:
         assert client.request(bus.torque(1, 8)).speed == 8
 
 
+def test_a_program_that_is_held_up_finds_the_replies_that_came(
+    bench: Make, clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The reply lies behind other frames in the bus, but no stream of frames holds up a time-out for long."""
+    bus = bench(edition="v2_36_2025_03", returned=True, round_trip=0)
+    answer = bus.bus.answer
+
+    def hold_up(asked: can.Message) -> Iterable[can.Message]:
+        clock.sleep(0.1)
+        return answer(asked)
+
+    def next_of_stream(timeout: float) -> can.Message | None:
+        clock.sleep(0.001)
+        assert clock.now < start + 0.3
+        return can.Message(arbitration_id=0x700, is_extended_id=False) if bus.bus.sent else None
+
+    with bus.client(allow="motion", on_exit="nothing") as client:
+        bus.bus.answer = hold_up
+        assert client.request(bus.torque(1, 7)).speed == 7
+        bus.bus.answer = answer
+        bus.silent = {1}
+        bus.sent()
+        start = clock.now
+        monkeypatch.setattr(bus.bus, "recv", next_of_stream)
+        assert client.cycle([bus.torque()])[0].reply is None
+
+
 def test_an_interrupted_request_is_not_answered_later(bench: Make) -> None:
     bus = bench()
     with bus.client(allow="motion", on_exit="nothing") as client:

@@ -36,6 +36,8 @@ TIMEOUT = 0.02
 """The time in seconds that adapter, driver and scheduler may add to the time of the reply."""
 LISTEN = 0.1
 """The longest time in seconds that listening waits at once, so that an interrupt ends it on every system."""
+BACKLOG = 0.2
+"""The longest time in seconds after a deadline to read on, because a program that was held up finds its replies behind others."""
 STOP_TRIES = 3
 BUS_ERRORS = can.CanError, OSError, ValueError
 """What a bus raises that does not work; ValueError after it was closed."""
@@ -378,7 +380,7 @@ class ClientCore:
                     now = clock()
                     if frame is not None:
                         self._feed(frame, now)
-                    if now >= self._until:
+                    if now >= self._until + (BACKLOG if frame is not None else 0.0):
                         self._tick(lines, now)
         except BusLost as error:
             for job in pending:
