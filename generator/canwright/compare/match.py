@@ -220,8 +220,9 @@ def exchanged_fields(old: Layout, new: Layout) -> list[tuple[Field, Field]]:
     return exchanged(fields(old, new).pairs, new.fields, is_alike, has_same_bits)
 
 
+@functools.lru_cache(maxsize=4096)
 def code_of(command: Command) -> tuple[object, ...]:
-    """What distinguishes the frames of a command: address and keys."""
+    """What distinguishes the frames of a command: address and keys. Cached."""
     message = command.request or command.reply
     return command.address, frozenset((key.space, key.segments, key.value) for key in message.keys) if message else ()
 
