@@ -138,7 +138,9 @@ def test_a_silent_node_ends_the_control_loop(returned: bool, tmp_path: Path) -> 
     x = example([item])
     assert isinstance(x, Example)
     silent = {sent: replies for sent, replies in answers(item, x).items() if replies[0][1] != x.frame.data}
-    done = run(folder, started(returned, silent), *programs(folder))
+    # a time-out within which a busy machine answers the reads
+    shown = [CLIENT.sub(r"\1, timeout=1", program) for program in programs(folder)]
+    done = run(folder, started(returned, silent), *shown)
     cycles = [line for line in done.stdout.splitlines()[7:] if "SetPowerRequest" not in line]
     assert (cycles, done.returncode) == ([], 1)
     assert done.stderr.endswith("NoReply: no reply to SetPowerRequest(node=1, power=200)\n")
