@@ -11,7 +11,7 @@ def check(subject: CheckInput) -> Findings:
         if command.ends_motion is None:
             continue
         path, kind = (*command.path, "ends_motion"), command.ends_motion.value
-        values = [field.name for field in command.request.layout.fields if field.is_given] if command.request else []
+        values = [field.name for field in command.request.layout.given] if command.request else []
         if command.request is None:
             yield Finding(path, f"`{command.name}` has no request", "write `ends_motion` for the command to send")
         elif values:

@@ -93,7 +93,7 @@ def _entry_problems(encoder: Encoder, message: Message, entry: RefusedValues) ->
     """Problems that prevent an encoding: unknown or missing fields, and values of a wrong kind."""
     fields = encoder.fields(message)
     if fields is None:
-        fields = {f.name: f for f in message.layout.fields if f.is_given}
+        fields = {f.name: f for f in message.layout.given}
     written = [("raw", name) for name in entry.raw] + [("values", name) for name in entry.values]
     unknown = [path for path in written if path[1] not in fields]
     for path in unknown:

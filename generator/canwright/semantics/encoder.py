@@ -79,7 +79,7 @@ class Encoder:
         """The fields of a message that users give, by name; None if they depend on a missing parameter."""
         if message not in self._fields:
             variant = message.layout.variant(self.assignment)
-            fields = None if variant is None else {f.name: f for f in variant.fields if f.is_given}
+            fields = None if variant is None else {f.name: f for f in variant.given}
             self._fields[message] = fields
         return self._fields[message]
 

@@ -75,7 +75,7 @@ def bits_at(parts: Parts, source: int) -> int:
 
 def raws(variant: Variant, frame: CanFrame) -> dict[str, Raw]:
     """The raw integer of each value of a variant."""
-    return {f.name: raw_of(f, frame) for f in variant.fields if f.is_given}
+    return {f.name: raw_of(f, frame) for f in variant.given}
 
 
 def checksum_of(plan: ChecksumPlan, frame: CanFrame) -> int:

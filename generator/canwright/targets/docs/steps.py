@@ -74,7 +74,7 @@ def _step(folder: str, edition: Edition, written: Mapping[str, Any], language: s
 def _frame(command: Command, values: Mapping[str, int]) -> CanFrame | None:
     """The request to node 1 with these values; None if the edition cannot send it without parameters."""
     request = command.request
-    if request is None or {field.name for field in request.layout.fields if field.is_given} != {*values}:
+    if request is None or {field.name for field in request.layout.given} != {*values}:
         return None
     frame = Encoder({}).encode_values(request, NODE, values)
     return frame if isinstance(frame, CanFrame) else None
