@@ -21,7 +21,7 @@ from ..model.refusal import Refusal
 from ..model.types import NO_PARAMETERS, Assignment, Encoding, Linear, Type, number_of, product_of
 from .dispatch import Discriminator, DispatchNode, Length, MaskedId, Match, Route, Select, dispatch_plan
 from .frame import CanFrame, Raw, checksum_of, code_of, difference, differs, node_in_id, raw_of, read_bits
-from .plan import CheckChecksum, CheckConstant, CheckParameter, ChooseFields, ReadField, message_plan
+from .plan import Check, CheckConstant, CheckParameter, ChooseFields, ReadField, message_plan
 
 Value = Fraction | str | list[str] | None
 
@@ -149,6 +149,11 @@ def rejects_checked(message: Message, frame: CanFrame, assignment: Assignment) -
 
     A constant that exists only under an unknown parameter, or that is an unknown parameter, is not checked.
     """
+    return next((rejection for _, rejection in failed_checks(message, frame, assignment)), None)
+
+
+def failed_checks(message: Message, frame: CanFrame, assignment: Assignment) -> Iterator[tuple[Check, Rejection]]:
+    """The checks of `rejects_checked` that a frame fails, each with the rejection."""
     for check in message_plan(message).decoding:
         if isinstance(check, (ChooseFields, ReadField)) or not message.layout.has(check.field, assignment):
             continue
@@ -156,8 +161,7 @@ def rejects_checked(message: Message, frame: CanFrame, assignment: Assignment) -
             continue
         rejection = _rejection(check, frame, assignment)
         if rejection is not None:
-            return rejection
-    return None
+            yield check, rejection
 
 
 def missing_parameter(message: Message, step: ChooseFields) -> Rejection:
@@ -177,9 +181,7 @@ def _wrong_parameter(check: CheckParameter, frame: CanFrame, assignment: Assignm
     return Rejection(Refusal.WRONG_CONSTANT, f"the constant `{name}` is not {formatting.exact(raw)}", name)
 
 
-def _rejection(
-    check: CheckConstant | CheckChecksum | CheckParameter, frame: CanFrame, assignment: Assignment
-) -> Rejection | None:
+def _rejection(check: Check, frame: CanFrame, assignment: Assignment) -> Rejection | None:
     """The rejection by a check; None for a frame that passes."""
     if isinstance(check, CheckParameter):
         return _wrong_parameter(check, frame, assignment)

@@ -158,7 +158,9 @@ class CheckMeaning:
     confusion: Confusion
 
 
-DecodingStep = CheckConstant | CheckChecksum | ChooseFields | CheckParameter | ReadField
+Check = CheckConstant | CheckChecksum | CheckParameter
+"""The checks of a field that no user gives."""
+DecodingStep = Check | ChooseFields | ReadField
 EncodingStep = (
     CheckAvailable
     | CheckCode
