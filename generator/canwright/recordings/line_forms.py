@@ -69,11 +69,11 @@ def reader(form: LineForm) -> Callable[[Iterable[str], Counts], Iterator[LogFram
 def _read(form: LineForm, state: State, line: str) -> LogFrame | SkippedPart:
     """The frame on a line, or what the line is instead."""
     written = line.strip()
-    if form.header is not None:
-        form.header(state, written)
     match = next(filter(None, (pattern.fullmatch(written) for pattern in state.frames)), None)
     part = None
     if match is None:
+        if form.header is not None:
+            form.header(state, written)
         matches = ((kind, pattern.match(written)) for kind, pattern in form.others)
         blank_or_damaged = SkippedPart.MALFORMED if written else SkippedPart.OTHER
         part, match = next((pair for pair in matches if pair[1]), (blank_or_damaged, None))
@@ -98,11 +98,14 @@ def _data(fields: Mapping[str, str], line: str, base: int) -> bytes:
     if fields["code"]:
         code = int(fields["code"], base if len(fields["code"]) == 1 else 10)
         length = FD_LENGTHS.get(code, code) if fields["fd"] else min(MAX_CLASSIC_BYTES, code)
-    data = b64decode(fields["base64"], validate=True) or bytes.fromhex(fields["digits"])
-    numbers = fields["data"].split() or fields["numbers"].replace(",", " ").split()[:length]
-    is_cut = numbers and line.endswith(numbers[-1]) and (base != 16 or len(numbers[-1]) < 2)  # without "\n"
-    data = data or bytes(int(number, base) for number in numbers)
-    if is_cut or length not in (None, len(data)):
+    if fields["base64"] or fields["digits"]:
+        data = b64decode(fields["base64"], validate=True) or bytes.fromhex(fields["digits"])
+    else:
+        numbers = fields["data"].split() or fields["numbers"].replace(",", " ").split()[:length]
+        if numbers and line.endswith(numbers[-1]) and (base != 16 or len(numbers[-1]) < 2):
+            raise ValueError  # the last number may be cut off, since no "\n" follows
+        data = bytes([int(number, base) for number in numbers])
+    if length not in (None, len(data)):
         raise ValueError
     return data
 
