@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 from ..model.edition import Edition
 from ..model.exhaustive import assert_never
@@ -30,16 +31,14 @@ from .bits import data_bits, placed
 from .checksum import ChecksumPlan, checksum_plan
 
 
-@dataclass(frozen=True)
-class CheckConstant:
+class CheckConstant(NamedTuple):
     """Reject (wrong_constant) if an element of the field has another raw integer than `raw`."""
 
     field: Field
     raw: int
 
 
-@dataclass(frozen=True)
-class CheckChecksum:
+class CheckChecksum(NamedTuple):
     """Reject (wrong_checksum) if the field is not the checksum of the frame, which the spec states as `role`."""
 
     field: Field
@@ -47,29 +46,25 @@ class CheckChecksum:
     checksum: ChecksumPlan
 
 
-@dataclass(frozen=True)
-class CheckAvailable:
+class CheckAvailable(NamedTuple):
     """Reject (not_available) if a parameter has a value that is not one of those in `only`; an unknown one is accepted."""
 
     only: Mapping[str, tuple[str, ...]]
 
 
-@dataclass(frozen=True)
-class CheckCode:
+class CheckCode(NamedTuple):
     """Reject (unknown_code) if a code is given that is not one of `values`; without one, the first of them is sent."""
 
     values: tuple[int, ...]
 
 
-@dataclass(frozen=True)
-class CheckNode:
+class CheckNode(NamedTuple):
     """Reject (unknown_node) if the node is not one of `nodes`, or is missing."""
 
     nodes: range
 
 
-@dataclass(frozen=True)
-class ChooseFields:
+class ChooseFields(NamedTuple):
     """Reject (missing_parameter) if the parameter that decides which fields exist is missing.
 
     Before this step, only fields without `only` are used; afterwards, fields that do not exist are skipped.
@@ -78,30 +73,26 @@ class ChooseFields:
     parameter: str
 
 
-@dataclass(frozen=True)
-class CheckParameter:
+class CheckParameter(NamedTuple):
     """Reject if the parameter is missing (missing_parameter), or if the field has another raw integer (wrong_constant)."""
 
     field: Field
     parameter: str
 
 
-@dataclass(frozen=True)
-class NeedParameter:
+class NeedParameter(NamedTuple):
     """Reject (missing_parameter) if a parameter in the id is missing."""
 
     parameter: str
 
 
-@dataclass(frozen=True)
-class ReadField:
+class ReadField(NamedTuple):
     """Read the raw integer of the field, or one for each element."""
 
     field: Field
 
 
-@dataclass(frozen=True)
-class CheckField:
+class CheckField(NamedTuple):
     """Reject (out_of_range, not_finite) if a raw integer is invalid for the type of the field, see `valid_raws`.
 
     An encoder of values converts them here: to the nearest raw integer, ties away from zero.
@@ -110,8 +101,7 @@ class CheckField:
     field: Field
 
 
-@dataclass(frozen=True)
-class WriteFixed:
+class WriteFixed(NamedTuple):
     """Write the same raw integer into bits of every frame: of a key, or of a constant or reserved field."""
 
     space: Space
@@ -120,42 +110,38 @@ class WriteFixed:
     field: Field | None
 
 
-@dataclass(frozen=True)
-class WriteCode:
+class WriteCode(NamedTuple):
     """Write the code into the bits of its key."""
 
     key: Key
     field: None = None
 
 
-@dataclass(frozen=True)
-class WriteParameter:
+class WriteParameter(NamedTuple):
     """Write the value of a parameter into the field; reject (missing_parameter) if it is missing."""
 
     field: Field
     parameter: str
 
 
-@dataclass(frozen=True)
-class WriteField:
+class WriteField(NamedTuple):
     """Write the raw integers of the field. All other bits are 0."""
 
     field: Field
 
 
-@dataclass(frozen=True)
-class WriteChecksum:
+class WriteChecksum(NamedTuple):
     """Write the checksum of all that is written before."""
 
     field: Field
     checksum: ChecksumPlan
 
 
-@dataclass(frozen=True)
-class CheckMeaning:
+class CheckMeaning(NamedTuple):
     """Reject (wrong_message) if the frame that is written is identified as another message."""
 
     confusion: Confusion
+    field: None = None
 
 
 DecodingStep = CheckConstant | CheckChecksum | ChooseFields | CheckParameter | ReadField
@@ -175,16 +161,14 @@ EncodingStep = (
 )
 
 
-@dataclass(frozen=True)
-class AcceptedKey:
+class AcceptedKey(NamedTuple):
     """A key with the values that a receiver accepts; a sender writes the first one, or one that is given."""
 
     key: Key
     values: tuple[int, ...]
 
 
-@dataclass(frozen=True)
-class MaskedBits:
+class MaskedBits(NamedTuple):
     """Some bits of the data, read as one little-endian integer, or of the id, and their value."""
 
     mask: int
