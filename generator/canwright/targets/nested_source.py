@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Union
+from typing import NamedTuple, Union
 
 WIDTH = 100
 """The characters of a table on one line with its indentation."""
@@ -21,8 +20,7 @@ class Code(str):
     __slots__ = ()
 
 
-@dataclass(frozen=True, kw_only=True)
-class NestedSource:
+class NestedSource(NamedTuple):
     """How a language writes tables: the `scalar` values, the `name` that starts an entry, and its brackets.
 
     Sequences are lists and tuples.

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...model import formatting
 from ...model.edition import Edition
@@ -16,8 +15,7 @@ from .links import COMMANDS, command_page
 from .tables import Labels
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """A row of a command, in Markdown; those of a command with a table have one page."""
 
     code: str
@@ -27,8 +25,7 @@ class Line:
     effects: str
 
 
-@dataclass(frozen=True)
-class Entries:
+class Entries(NamedTuple):
     """The entries of a table, in Markdown; empty columns are omitted."""
 
     table: Table
