@@ -152,8 +152,8 @@ def rejects_checked(message: Message, frame: CanFrame, assignment: Assignment) -
 
 def failed_checks(message: Message, frame: CanFrame, assignment: Assignment) -> Iterator[tuple[Check, Rejection]]:
     """The checks of `rejects_checked` that a frame fails, each with the rejection."""
-    for check in message_plan(message).decoding:
-        if isinstance(check, (ChooseFields, ReadField)) or not message.layout.has(check.field, assignment):
+    for check in message_plan(message).checks:
+        if not message.layout.has(check.field, assignment):
             continue
         if isinstance(check, CheckParameter) and check.parameter not in assignment:
             continue

@@ -227,6 +227,11 @@ class MessagePlan:
         return values if len(values) > 1 else ()
 
     @cached_property
+    def checks(self) -> tuple[Check, ...]:
+        """The checks of fields that no user gives."""
+        return tuple(step for step in self.decoding if not isinstance(step, (ChooseFields, ReadField)))
+
+    @cached_property
     def checksum(self) -> CheckChecksum | None:
         """The check of the checksum; None without one. A message has at most one."""
         return next((step for step in self.decoding if isinstance(step, CheckChecksum)), None)

@@ -63,8 +63,6 @@ class ChecksumView:
         self.has_loops = any(step.last for step in self.steps)
         self.result = _result(plan)
         self.writes = list(bits.write_segments(field.space, segments, width, VARIABLE))
-        self.read = operand(bits.read_segments(field.space, segments, width))
-        """The field of a frame."""
 
 
 def _steps(plan: ChecksumPlan, crc: CrcView | None, run: range | Sequence[FrameByte | int]) -> Iterator[ChecksumStep]:

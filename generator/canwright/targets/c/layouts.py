@@ -253,7 +253,7 @@ def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRea
                     value = bits.read_field(step.field, element.segments) if step.field in variant.fields else "0"
                     yield FieldRead(member=raw_of(step.field.type, number), value=value)
             case CheckChecksum() | ChooseFields() | CheckParameter():
-                pass  # `checksum`, `chooses` and `constants` of the layout
+                pass  # `checks` of the message, `chooses` and `constants` of the layout
             case _:
                 assert_never(step)
 

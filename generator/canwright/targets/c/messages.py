@@ -15,11 +15,20 @@ from operator import or_
 from typing import NamedTuple
 
 from ...model.edition import Edition
+from ...model.exhaustive import assert_never
 from ...model.formatting import english
 from ...model.layout import Layout, Space
 from ...model.message import Address, Direction, IdRule, Message
 from ...semantics.bits import placed
-from ...semantics.plan import CheckConstant, message_plan
+from ...semantics.plan import (
+    CheckChecksum,
+    CheckConstant,
+    CheckParameter,
+    ChooseFields,
+    DecodingStep,
+    ReadField,
+    message_plan,
+)
 from . import bits
 from .choices import ENUM_MAX, Whole, lacks
 from .expressions import call, joined, operand, working
@@ -190,8 +199,6 @@ class MessageView:
         self, names: Names, edition: Edition, message: Message, pattern: PatternView, layout: LayoutView
     ) -> None:
         command, plan = edition.command(message.command), message_plan(message)
-        constants = [step for step in plan.decoding if isinstance(step, CheckConstant)]
-        always = [bits.constant_differs(check) for check in constants if not check.field.only]
         lacking = lacks(names, edition, command) if message.direction is Direction.REQUEST else []
         self.name, self.command, self.direction = names.lower(message.name), message.command, message.direction.value
         self.pattern, self.layout, self.dlc = pattern, layout, message.dlc
@@ -208,9 +215,8 @@ class MessageView:
         """The end of a comment on a deprecated message."""
         self.codes = list(_codes(message))
         """The values of its keys, then the same with each other accepted value of the first key."""
-        self.other_constant = joined("||", always) if always else ""
-        """The condition for a frame with another value in a constant field."""
-        self.wrong_checksum = f"{layout.name}_sum(frame) != {layout.checksum.read}" if layout.checksum else ""
+        self.checks = tuple(_checks(plan.decoding, layout))
+        """The conditions under which a frame is rejected whatever the parameters are, each with the status."""
         self.node_in_data = bits.key_value(message.node_in_data) if message.node_in_data else ""
         """The expression of the node in a field; empty unless a field identifies the node."""
         self.confused = bits.is_confused(message.confusions)
@@ -255,8 +261,7 @@ class MessageView:
     def is_match_only(self) -> bool:
         """True if there is nothing to read or check after the match."""
         layout = self.layout
-        has_checks = bool(self.other_constant or self.wrong_checksum)
-        return not (layout.members or layout.depends or has_checks or self.node_in_data or self.codes[1:])
+        return not (layout.members or layout.depends or self.checks or self.node_in_data or self.codes[1:])
 
 
 class Messages:
@@ -312,6 +317,22 @@ def _step(step: int) -> tuple[str, str, str]:
 def frame_id(message: Message, frame: str = "frame") -> str:
     """The id of a frame without the flag of remote frames."""
     return f"({frame}->id ^ CANWRIGHT_REMOTE)" if message.remote else f"{frame}->id"
+
+
+def _checks(steps: Sequence[DecodingStep], layout: LayoutView) -> Iterator[tuple[str, str]]:
+    always: dict[str, list[str]] = {}
+    for step in steps:
+        match step:
+            case CheckConstant():
+                if not step.field.only:
+                    always.setdefault("WRONG_CONSTANT", []).append(bits.constant_differs(step))
+            case CheckChecksum():
+                always["WRONG_CHECKSUM"] = [f"{layout.name}_sum(frame) != {bits.constant_read(step.field)}"]
+            case ChooseFields() | CheckParameter() | ReadField():
+                pass  # the function that unpacks the layout
+            case _:
+                assert_never(step)
+    return ((joined("||", conditions), status) for status, conditions in always.items())
 
 
 def _codes(message: Message) -> Iterator[tuple[str, ...]]:
