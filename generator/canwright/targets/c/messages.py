@@ -172,7 +172,12 @@ class PatternView:
         self.unused_bits_set = f"(frame->id & 0x{mask:X}u) != 0u" if mask else ""
         """The condition for bits of the id that only other messages of the address use; empty without any."""
         self.codes = [
-            CodeView(working(key.width).name, code, operand(bits.key_value(key)), list(bits.write_key(key, code)))
+            CodeView(
+                working(key.width).name,
+                code,
+                operand(bits.key_value(key)),
+                list(bits.write(key.space, key.segments, key.width, code)),
+            )
             for code, key in arguments
         ]
         self.code_arguments = [f"{code.kind} {code.name}" for code in self.codes]
@@ -186,7 +191,7 @@ class AddressView:
     def __init__(self, names: Names, address: Address, patterns: Sequence[PatternView]) -> None:
         nodes = address.request.nodes or address.reply.nodes
         ends = [("node_min", nodes[0], "Lowest"), ("node_max", nodes[-1], "Highest")] if nodes else []
-        self.path, self.heading, self.doc = address.path, heading(address), english(address.about)
+        self.heading, self.doc = heading(address), english(address.about)
         self.rules = list(dict.fromkeys(pattern.rule for pattern in patterns))
         self.patterns = patterns
         self.nodes = [MacroView(names.upper(address.name, e), f"{n}u", f"{word} node number.") for e, n, word in ends]
