@@ -33,7 +33,7 @@ from . import bits
 from .choices import ENUM_MAX, Whole, lacks
 from .expressions import call, joined, operand, working
 from .layouts import CodeChoice, LayoutView
-from .names import Names, Pattern, address_mask, member, named_patterns, pattern_of
+from .names import Names, address_mask, member, patterns
 from .text import MacroView, heading, with_deprecation
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
@@ -277,20 +277,17 @@ class Messages:
         self.numbers = command_numbers(edition)
         self.fd = "fd_" if edition.bus.frame_format.is_fd else ""
         """In the names of what contains frames of CAN FD."""
-        by_pattern: dict[Pattern, list[Message]] = {}
-        for message in edition.all_messages():
-            by_pattern.setdefault(pattern_of(message), []).append(message)
-        sides = dict.fromkeys((pattern.address, pattern.direction) for pattern in by_pattern)
+        sides = dict.fromkeys((message.address, message.direction) for message in edition.all_messages())
         rules = {side: RuleView(names, edition, edition.address(side[0]), side[1]) for side in sides}
-        patterns: dict[str, list[PatternView]] = {}
+        of_address: dict[str, list[PatternView]] = {}
         self._messages: dict[Message, MessageView] = {}
-        for pattern, parts in named_patterns(by_pattern).items():
-            messages, rule = by_pattern[pattern], rules[pattern.address, pattern.direction]
-            view = PatternView(names, edition, rule, messages[0], parts)
-            patterns.setdefault(pattern.address, []).append(view)
+        for parts, messages in patterns(edition).items():
+            first = messages[0]
+            view = PatternView(names, edition, rules[first.address, first.direction], first, parts)
+            of_address.setdefault(first.address, []).append(view)
             self._messages |= {m: MessageView(names, edition, m, view, layouts[m.layout]) for m in messages}
-        used = (address for address in edition.addresses if address.name in patterns)
-        self.addresses = [AddressView(names, address, patterns[address.name]) for address in used]
+        used = (address for address in edition.addresses if address.name in of_address)
+        self.addresses = [AddressView(names, address, of_address[address.name]) for address in used]
         """The addresses that messages use, each with the directions that they use."""
 
     def message(self, message: Message) -> MessageView:
