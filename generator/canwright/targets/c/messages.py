@@ -33,7 +33,7 @@ from . import bits
 from .choices import ENUM_MAX, Whole, lacks
 from .expressions import call, joined, operand, working
 from .layouts import CodeChoice, LayoutView
-from .names import Names, Pattern, address_mask, member, named_patterns, pattern_of
+from .names import Names, address_mask, member, patterns
 from .text import MacroView, heading, with_deprecation
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
@@ -172,7 +172,12 @@ class PatternView:
         self.unused_bits_set = f"(frame->id & 0x{mask:X}u) != 0u" if mask else ""
         """The condition for bits of the id that only other messages of the address use; empty without any."""
         self.codes = [
-            CodeView(working(key.width).name, code, operand(bits.key_value(key)), list(bits.write_key(key, code)))
+            CodeView(
+                working(key.width).name,
+                code,
+                operand(bits.key_value(key)),
+                list(bits.write(key.space, key.segments, key.width, code)),
+            )
             for code, key in arguments
         ]
         self.code_arguments = [f"{code.kind} {code.name}" for code in self.codes]
@@ -186,7 +191,7 @@ class AddressView:
     def __init__(self, names: Names, address: Address, patterns: Sequence[PatternView]) -> None:
         nodes = address.request.nodes or address.reply.nodes
         ends = [("node_min", nodes[0], "Lowest"), ("node_max", nodes[-1], "Highest")] if nodes else []
-        self.path, self.heading, self.doc = address.path, heading(address), english(address.about)
+        self.heading, self.doc = heading(address), english(address.about)
         self.rules = list(dict.fromkeys(pattern.rule for pattern in patterns))
         self.patterns = patterns
         self.nodes = [MacroView(names.upper(address.name, e), f"{n}u", f"{word} node number.") for e, n, word in ends]
@@ -272,20 +277,17 @@ class Messages:
         self.numbers = command_numbers(edition)
         self.fd = "fd_" if edition.bus.frame_format.is_fd else ""
         """In the names of what contains frames of CAN FD."""
-        by_pattern: dict[Pattern, list[Message]] = {}
-        for message in edition.all_messages():
-            by_pattern.setdefault(pattern_of(message), []).append(message)
-        sides = dict.fromkeys((pattern.address, pattern.direction) for pattern in by_pattern)
+        sides = dict.fromkeys((message.address, message.direction) for message in edition.all_messages())
         rules = {side: RuleView(names, edition, edition.address(side[0]), side[1]) for side in sides}
-        patterns: dict[str, list[PatternView]] = {}
+        of_address: dict[str, list[PatternView]] = {}
         self._messages: dict[Message, MessageView] = {}
-        for pattern, parts in named_patterns(by_pattern).items():
-            messages, rule = by_pattern[pattern], rules[pattern.address, pattern.direction]
-            view = PatternView(names, edition, rule, messages[0], parts)
-            patterns.setdefault(pattern.address, []).append(view)
+        for parts, messages in patterns(edition).items():
+            first = messages[0]
+            view = PatternView(names, edition, rules[first.address, first.direction], first, parts)
+            of_address.setdefault(first.address, []).append(view)
             self._messages |= {m: MessageView(names, edition, m, view, layouts[m.layout]) for m in messages}
-        used = (address for address in edition.addresses if address.name in patterns)
-        self.addresses = [AddressView(names, address, patterns[address.name]) for address in used]
+        used = (address for address in edition.addresses if address.name in of_address)
+        self.addresses = [AddressView(names, address, of_address[address.name]) for address in used]
         """The addresses that messages use, each with the directions that they use."""
 
     def message(self, message: Message) -> MessageView:
