@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple, Union
+from dataclasses import dataclass
+from typing import Union
 
 WIDTH = 100
 """The characters of a table on one line with its indentation."""
@@ -20,7 +21,8 @@ class Code(str):
     __slots__ = ()
 
 
-class NestedSource(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class NestedSource:
     """How a language writes tables: the `scalar` values, the `name` that starts an entry, and its brackets.
 
     Sequences are lists and tuples.
