@@ -38,10 +38,13 @@ def is_safe(path: str) -> bool:
     return path.isprintable() and re.fullmatch(_PATH, path) is not None
 
 
-def content_of(file: Path) -> bytes | None:
-    """The content of a file; None if it is not a regular file."""
+def content_of(file: Path | str) -> bytes | None:
+    """The content of a file; None if it is not a regular file. Of many files, making a Path of each takes longer."""
     try:
-        return file.read_bytes() if stat.S_ISREG(file.stat().st_mode) else None
+        if not stat.S_ISREG(os.stat(file).st_mode):  # noqa: PTH116
+            return None
+        with open(file, "rb", buffering=0) as stream:  # noqa: PTH123
+            return stream.read()
     except (FileNotFoundError, NotADirectoryError):  # also where another run removes its lock in between
         return None
 
@@ -50,7 +53,7 @@ def digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def digest_of(file: Path) -> str | None:
+def digest_of(file: Path | str) -> str | None:
     """The digest of a file; None if it is not a regular file."""
     data = content_of(file)
     return None if data is None else digest(data)
@@ -67,7 +70,7 @@ def regular_files(out: Path, folder: str) -> Iterator[str]:
 
 
 def digest_of_regular(file: str) -> str:
-    """The digest of a regular file, for many files: making a Path of each takes longer than reading it. Raises OSError."""
+    """The digest of a regular file. Raises OSError."""
     with open(file, "rb", buffering=0) as stream:  # noqa: PTH123
         return digest(stream.read())
 

@@ -28,6 +28,8 @@ def removed_files(out: Path, old: Manifest, new: Manifest) -> list[str]:
 def stage(out: Path, files: Mapping[str, bytes], manifest: Manifest) -> None:
     """Decides to write `files` and to remove those that are not in the new manifest. `complete` carries it out."""
     try:
+        for folder in (STAGING, *sorted({f"{_NEW}/{path}".rpartition("/")[0] for path in files})):
+            (out / folder).mkdir(parents=True, exist_ok=True)
         for path, data in files.items():
             _save(out / f"{_NEW}/{path}", data)
         journal = out / JOURNAL
@@ -72,11 +74,11 @@ def complete(out: Path, *, force: bool) -> None:
 
 def _is_pending(out: Path, path: str, old: Manifest, new: Manifest, *, force: bool) -> bool:
     """Whether a staged file has not been moved to its path yet."""
-    staged = digest_of(out / f"{_NEW}/{path}")
+    staged = digest_of(f"{out}/{_NEW}/{path}")
     before, after = old.files.get(path), new.files[path]
     if staged is None and before == after:
         return False
-    present = digest_of(out / path)
+    present = digest_of(f"{out}/{path}")
     if present not in (None, before, after) and not force:
         raise conflict(out, path, generated=before is not None)
     if staged != after and (staged is not None or present in (None, before)):
@@ -114,7 +116,6 @@ def _keep(file: Path, to: Path) -> None:
 
 def _save(file: Path, data: bytes) -> None:
     """Writes without waiting for the disk, for speed; the digest reveals files that a power cut destroyed."""
-    _make_folder(file.parent)
     try:
         file.write_bytes(data)
     except OSError as error:  # the error of a write does not name the file

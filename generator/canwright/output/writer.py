@@ -133,7 +133,7 @@ def _changes(out: Path, content: Content, old: Manifest, new: Manifest) -> FileC
     """The changes of a run. Raises OutputError if a link, or something other than a file, is in the way."""
     removed = removed_files(out, old, new)
     refuse_obstacles(out, *content.files, *removed)
-    written = [path for path, data in content.files.items() if content_of(out / path) != data]
+    written = [path for path, data in content.files.items() if content_of(f"{out}/{path}") != data]
     return FileChanges(tuple(sorted(written)), tuple(sorted(removed)), len(content.files) - len(written))
 
 
@@ -157,6 +157,6 @@ def _refuse_dropped(out: Path, content: Content, manifest: Manifest) -> None:
 
 def _refuse_edited(out: Path, manifest: Manifest, changes: FileChanges) -> None:
     for path in (*changes.written, *changes.removed):
-        present = content_of(out / path)
+        present = content_of(f"{out}/{path}")
         if present is not None and digest(present) != manifest.files.get(path):
             raise conflict(out, path, generated=path in manifest.files)

@@ -216,7 +216,7 @@ class Common:
                 "errata": [e for e in errata if len(self.touched[e.id]) <= MANY],
                 "errata_of_many": [e for e in errata if len(self.touched[e.id]) > MANY],
                 "shared_errata": [e.id for e in errata if not {*self.touched[e.id]} <= {c.name for c in group}],
-                "stops": [s for s in stops if s.mode == first.mode and _moves(first) and not first.ends_motion],
+                "stops": [s for s in stops if s.mode == first.mode] if _moves(first) and not first.ends_motion else [],
             }
             forms = [
                 Form(

@@ -295,15 +295,9 @@ def _repliers(edition: Edition, layout: Layout) -> Sequence[Command]:
 
 def _sharers(edition: Edition, layout: Layout, command: Command, labels: Labels) -> str:
     """Which other replies have a layout: those of `0x9C`, `0xA0` to `0xA8`, by name where a code is not enough."""
-    names: dict[str, None] = {}
-    codes: set[int] = set()
-    for sharer in _repliers(edition, layout):
-        if sharer is command:
-            continue
-        if sharer.code is None or sharer.entry:
-            names[sharer.name] = None
-        else:
-            codes.add(sharer.code)
+    sharers = [sharer for sharer in _repliers(edition, layout) if sharer is not command]
+    names = dict.fromkeys(sharer.name for sharer in sharers if sharer.code is None or sharer.entry)
+    codes = {sharer.code for sharer in sharers if sharer.code is not None and not sharer.entry}
     runs = [run.partition("..") for run in formatting.numbers(sorted(codes)).split(", ")] if codes else []
     listed = [labels["through"].join(code(f"0x{int(end):02X}") for end in (low, high) if end) for low, _, high in runs]
     shown = (*listed, *map(code, names))
