@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 from ..model.types import Assignment, Bound, ByParameter, Encoding, Range, Type, number_of
+
+
+def merged(runs: Iterable[range]) -> Sequence[range]:
+    """Runs of integers in ascending order; those without a gap between them as one run."""
+    disjoint: list[range] = []
+    for run in sorted(runs, key=lambda run: run.start):
+        if disjoint and run.start <= disjoint[-1].stop:
+            disjoint[-1] = range(disjoint[-1].start, max(disjoint[-1].stop, run.stop))
+        else:
+            disjoint.append(run)
+    return disjoint
 
 
 @dataclass(frozen=True)
@@ -20,13 +32,7 @@ class NamedRaws:
     @cached_property
     def runs(self) -> tuple[range, ...]:
         """The values as runs of consecutive integers."""
-        runs: list[range] = []
-        for value in self.values:
-            if runs and value == runs[-1].stop:
-                runs[-1] = range(runs[-1].start, value + 1)
-            else:
-                runs.append(range(value, value + 1))
-        return tuple(runs)
+        return tuple(merged(range(value, value + 1) for value in self.values))
 
 
 class FlagBits(NamedTuple):

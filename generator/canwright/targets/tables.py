@@ -16,7 +16,6 @@ from ..model.joined import JoinedDigits, JoinedText
 from ..model.layout import (
     ChecksumRole,
     ConstantRole,
-    CounterRole,
     Field,
     GivenRole,
     Layout,
@@ -104,7 +103,7 @@ class EditionTables(Positions, ABC):
         """A field, `hidden` if messages do not have it as a value.
 
         `fixed` is the raw integer that is always sent, which a receiver checks in a `constant`. A constant without it has
-        the value of `parameter`. A `checksum` is computed as the message states.
+        the value of `parameter`.
         """
         return {
             "name": field.name,
@@ -124,12 +123,8 @@ class EditionTables(Positions, ABC):
                 return {"fixed": self.integer(role.raw, width)}
             case ParameterRole():
                 return {"constant": True, "parameter": role.parameter}
-            case ChecksumRole():
-                return {"checksum": True}
-            case CounterRole():
-                return {"counter": [role.first, role.last]}
-            case GivenRole():
-                return {}
+            case ChecksumRole() | GivenRole():
+                return {}  # a message states how a checksum is computed
             case _:
                 assert_never(role)
 

@@ -90,9 +90,7 @@ class _Milli(NamedTuple):
 
     @classmethod
     def of(cls, linear: Linear) -> _Milli:
-        scale, offset = linear.scale * 1000, linear.offset * 1000
-        divisor = math.lcm(scale.denominator, offset.denominator)
-        return cls(int(scale * divisor), int(offset * divisor), divisor)
+        return cls(*Linear(linear.scale * 1000, linear.offset * 1000).as_quotient)
 
     def thousandths(self, raw: int) -> int:
         return nearest(Fraction(raw * self.factor + self.addend, self.divisor))

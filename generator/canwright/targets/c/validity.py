@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -11,7 +10,16 @@ from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Bound, ByParameter, Encoding, Linear, Range, Type
 from ...semantics.floats import bits_of, float_of
-from ...semantics.valid_raws import FiniteFloats, FlagBits, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
+from ...semantics.valid_raws import (
+    FiniteFloats,
+    FlagBits,
+    NamedRaws,
+    RawInterval,
+    ValidRaws,
+    merged,
+    valid_raws,
+    width_limits,
+)
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
 from .expressions import INT64, UINT64, Integer, integer, joined, raw_of
@@ -57,7 +65,7 @@ def _with_names(type_: Type, raws: RawInterval, depends: bool) -> Condition:
     """The condition for a number within its limits, or for a raw integer without a value."""
     kind = integer(type_)
     numbers = [] if depends else [range(raws.low, raws.high + 1)]
-    terms = [joined("&&", _between(kind, run[0], run[-1])) for run in _merged((*numbers, *raws.no_values))]
+    terms = [joined("&&", _between(kind, run[0], run[-1])) for run in merged((*numbers, *raws.no_values))]
     if "" in terms:
         return ALWAYS
     if depends:
@@ -66,23 +74,12 @@ def _with_names(type_: Type, raws: RawInterval, depends: bool) -> Condition:
     return Condition(joined("||", terms), depends)
 
 
-def _merged(runs: Iterable[range]) -> list[range]:
-    """Runs of integers in ascending order; those without a gap between them as one run."""
-    merged: list[range] = []
-    for run in sorted(runs, key=lambda run: run.start):
-        if merged and run.start <= merged[-1].stop:
-            merged[-1] = range(merged[-1].start, max(merged[-1].stop, run.stop))
-        else:
-            merged.append(run)
-    return merged
-
-
 def has_value(type_: Type) -> str:
     """The condition for a raw integer that is a number, whatever its range; empty if all are."""
     kind = integer(type_)
     if type_.no_values and type_.encoding is Encoding.FLOAT:
         return f"!({is_nan(type_, 'raw')})"
-    named = [joined("&&", _between(kind, run[0], run[-1])) for run in _merged(n.raws for n in type_.no_values)]
+    named = [joined("&&", _between(kind, run[0], run[-1])) for run in merged(n.raws for n in type_.no_values)]
     return f"!({joined('||', named)})" if named else ""
 
 
@@ -163,8 +160,7 @@ def within_run(kind: Integer, run: range) -> str:
 
 def _factors(bound: Bound) -> tuple[int, int, int]:
     """Factor, addend and divisor: the bound is `(factor * parameter + addend) / divisor`."""
-    divisor = math.lcm(bound.coefficient.denominator, bound.constant.denominator)
-    return int(bound.coefficient * divisor), int(bound.constant * divisor), divisor
+    return Linear(bound.coefficient, bound.constant).as_quotient
 
 
 def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Alternatives:

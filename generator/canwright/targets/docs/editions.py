@@ -40,11 +40,8 @@ class Changes(NamedTuple):
     documents: tuple[ChangeLine, ...]
 
 
-class SupportLine(NamedTuple):
-    """A command or an entry with its title and one cell for each edition, in Markdown."""
-
-    name: str
-    cells: tuple[str, ...]
+SupportLine = tuple[str, Sequence[str]]
+"""A command or an entry with its title, and one cell for each edition, in Markdown."""
 
 
 class Support(NamedTuple):
@@ -247,10 +244,7 @@ def _commands(
                 if command.spec_name in changed.get(edition, ()):
                     cells[at] += f" {labels['changed_mark']}"
                 titles.setdefault(command.spec_name, command.spec_title[language])
-    return tuple(
-        SupportLine(f"{code(name)}<br>{markdown(titles[name])}", tuple(cells))
-        for (_, _, name), cells in sorted(rows.items())
-    )
+    return tuple((f"{code(name)}<br>{markdown(titles[name])}", cells) for (_, _, name), cells in sorted(rows.items()))
 
 
 def _cell(folder: str, command: Command, labels: Mapping[str, str]) -> str:
@@ -276,6 +270,6 @@ def _entries(
                 cells[at] = f"[{index_of(message)}]({folder}/{COMMANDS}{command_page(command)})"
                 titles[command.entry.table, command.entry.name] = command.entry.title[language]
     return tuple(
-        SupportLine(f"{code(f'{table}.{name}')}<br>{markdown(titles[table, name])}", tuple(cells))
+        (f"{code(f'{table}.{name}')}<br>{markdown(titles[table, name])}", cells)
         for (table, _, name), cells in sorted(rows.items())
     )

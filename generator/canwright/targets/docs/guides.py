@@ -10,12 +10,11 @@ from ...model import formatting
 from ...model.edition import Edition
 from ...model.golden_frames import GoldenFrame
 from ...model.message import Direction
-from ...model.types import Text
 from ...semantics.bus_load import message_bits
 from ...semantics.decoder import Decoder, Rejection
 from ...semantics.frame import can_frame
 from ...templating.markup import code, markdown, script_text
-from .common import Common, Program, Sheet
+from .common import Common, Sheet
 from .links import COMMANDS
 
 
@@ -37,7 +36,6 @@ class Start(NamedTuple):
     edition: Edition
     folder: str
     sheet: Sheet
-    programs: Sequence[Program]
 
 
 def starts(listed: Sequence[tuple[str, Common]]) -> Iterator[Start]:
@@ -46,7 +44,7 @@ def starts(listed: Sequence[tuple[str, Common]]) -> Iterator[Start]:
     for folder, common in newest.values():
         sheet = first_sheet(common)
         if sheet is not None:
-            yield Start(common.edition, folder, sheet, sheet.programs)
+            yield Start(common.edition, folder, sheet)
 
 
 class Telling(NamedTuple):
@@ -141,16 +139,8 @@ def _load(edition: Edition, language: str) -> Mapping[str, Any]:
     }
 
 
-class Word(NamedTuple):
-    """A name with its titles; the cells are Markdown."""
-
-    name: str
-    kind: str
-    titles: Sequence[str]
-
-
-def words(edition: Edition, labels: Mapping[str, str]) -> Iterator[Word]:
-    """The named items of an edition with their titles in every language."""
+def words(edition: Edition) -> Iterator[tuple[str, Any]]:
+    """The named items of an edition, each with its kind."""
     kinds: Sequence[tuple[str, Sequence[Any]]] = (
         ("type", [t for t in edition.types if t.path[0] == "types"]),
         ("parameter", edition.parameters),
@@ -160,9 +150,4 @@ def words(edition: Edition, labels: Mapping[str, str]) -> Iterator[Word]:
         ("mode", edition.bus.modes),
         ("neighbour", edition.bus.neighbours),
     )
-    for kind, items in kinds:
-        for item in items:
-            titles: Text = item.title
-            yield Word(
-                code(item.name), labels[f"item_{kind}"], [markdown(titles[language]) for language in edition.languages]
-            )
+    return ((kind, item) for kind, items in kinds for item in items)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from ...model import formatting
 from ...model.edition import Edition
@@ -14,23 +14,8 @@ from . import tables
 from .links import COMMANDS, command_page
 from .tables import Labels
 
-
-class Line(NamedTuple):
-    """A row of a command, in Markdown; those of a command with a table have one page."""
-
-    code: str
-    command: str
-    reply: str
-    only: str
-    effects: str
-
-
-class Entries(NamedTuple):
-    """The entries of a table, in Markdown; empty columns are omitted."""
-
-    table: Table
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+Entries = tuple[Table, Sequence[str], Sequence[Sequence[str]]]
+"""A table with the heads and the rows of its entries, in Markdown; empty columns are omitted."""
 
 
 def overview(edition: Edition, labels: Labels, language: str) -> Mapping[str, Any]:
@@ -38,14 +23,15 @@ def overview(edition: Edition, labels: Labels, language: str) -> Mapping[str, An
     groups = edition.groups
     return {
         "lines": [_line(edition, forms, labels, language) for forms in groups.values()],
-        "entries": [table for t in edition.tables if (table := _entries(t, groups, labels, language)).rows],
+        "entries": [entries for t in edition.tables if (entries := _entries(t, groups, labels, language))[2]],
     }
 
 
-def _line(edition: Edition, forms: Sequence[Command], labels: Labels, language: str) -> Line:
+def _line(edition: Edition, forms: Sequence[Command], labels: Labels, language: str) -> Sequence[str]:
+    """The row of a command, in Markdown: code, name, reply, nodes that have it, effects; all its forms have one page."""
     first = forms[0]
     replies = {tables.reply_form(edition, form, labels, COMMANDS) for form in forms}
-    return Line(
+    return (
         "<br>".join(dict.fromkeys(code(tables.code_of(form)) for form in forms if form.code is not None)),
         f"[{markdown(first.spec_name)}]({COMMANDS}{first.spec_name}.md)<br>{markdown(first.spec_title[language])}",
         replies.pop() if len(replies) == 1 else labels["of_entry"],
@@ -88,7 +74,7 @@ def _entries(table: Table, groups: Mapping[str, Sequence[Command]], labels: Labe
         )
     kept = [i for i in range(len(columns)) if i < 3 + len(using) or any(row[i] for row in rows)]
     heads = [code(c) if c in using else c for c in columns]
-    return Entries(table, tuple(heads[i] for i in kept), tuple(tuple(row[i] for i in kept) for row in rows))
+    return table, [heads[i] for i in kept], [[row[i] for i in kept] for row in rows]
 
 
 def _link(form: Command) -> str:

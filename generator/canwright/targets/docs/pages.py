@@ -32,11 +32,8 @@ class Half(NamedTuple):
     """Each with its source."""
 
 
-class Admonition(NamedTuple):
-    """A block that code hosts and the site highlight; `kind` is their word for it."""
-
-    kind: str
-    texts: Sequence[str]
+Admonition = tuple[str, Sequence[str]]
+"""The texts of a block that code hosts and the site highlight, after their word for it."""
 
 
 _KINDS = {Level.DANGER: "CAUTION", Level.WARNING: "WARNING", Level.NOTE: "NOTE"}
@@ -75,7 +72,7 @@ class Pages:
         if command is not None and command.repeat is Repeat.NEVER:
             texts["WARNING"].append(self._labels["not_repeated"])
         texts["NOTE"] += [markdown(note[self._language]) for note in command.notes] if command else []
-        return [Admonition(kind, listed) for kind, listed in texts.items() if listed]
+        return [(kind, listed) for kind, listed in texts.items() if listed]
 
     def _effect(self, effect: Effect, forms: Sequence[Form]) -> str:
         """An effect of these forms, with the values of their requests without it."""

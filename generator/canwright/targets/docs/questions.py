@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from ...model.edition import Edition
 from ...templating import resources
 from ...templating.data_files import read_data
-from ...templating.markup import code, markdown, spaced
+from ...templating.markup import code
 from .links import COMMANDS
 from .tables import codes
 
@@ -16,36 +16,15 @@ PAGE = "questions"
 Record = Mapping[str, Any]
 
 
-class Link(NamedTuple):
-    """A command that answers a question, with the editions that have it; the cells are Markdown."""
-
-    command: str
-    page: str
-    editions: Sequence[tuple[str, Edition]]
-    """The editions that have the command, with their folders."""
+Link = tuple[str, str, Sequence[tuple[str, Edition]]]
+"""A command that answers a question, in Markdown, its page, and the editions that have it with their folders."""
 
 
-class Question(NamedTuple):
-    """A question with its answer; the texts are Markdown."""
-
-    anchor: str
-    ask: str
-    answer: str
-    links: Sequence[Link]
-    pages: Sequence[str]
-
-
-def questions(listed: Sequence[tuple[str, Edition]], language: str) -> Iterator[Question]:
-    """The questions of the families of some editions, which have folders."""
+def questions(listed: Sequence[tuple[str, Edition]]) -> Iterator[tuple[Record, Sequence[Link]]]:
+    """The questions of the families of some editions, which have folders, with the commands that answer them."""
     for family, written in _written(edition for _, edition in listed):
         of_family = [(folder, edition) for folder, edition in listed if edition.family == family]
-        yield Question(
-            f"{PAGE}.{written['name']}",
-            markdown(written["ask"][language]),
-            spaced(markdown(written["answer"][language])),
-            [link for name in written.get("commands", ()) for link in _links(name, of_family)],
-            written.get("pages", ()),
-        )
+        yield written, [link for name in written.get("commands", ()) for link in _links(name, of_family)]
 
 
 def _links(name: str, listed: Sequence[tuple[str, Edition]]) -> Iterator[Link]:
@@ -55,7 +34,7 @@ def _links(name: str, listed: Sequence[tuple[str, Edition]]) -> Iterator[Link]:
         for command in edition.forms(name)[:1]:
             having.setdefault(" ".join(map(code, codes(command))), []).append((folder, edition))
     for shown, editions in having.items():
-        yield Link(f"{shown} {code(name)}".lstrip(), f"{COMMANDS}{name}.md", editions)
+        yield f"{shown} {code(name)}".lstrip(), f"{COMMANDS}{name}.md", editions
 
 
 def question_records(editions: Iterable[Edition]) -> Iterator[Record]:

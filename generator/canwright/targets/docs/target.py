@@ -11,15 +11,15 @@ import jinja2
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.types import Assignment
-from ...templating.data_files import template_texts
+from ...templating import resources
+from ...templating.data_files import read_data, template_texts
 from ...templating.environment import environment
-from ...templating.markup import block, code, markdown, xml
+from ...templating.markup import block, code, markdown, spaced, xml
 from ..base import EditionInput, Output, Target, header
 from ..options import NO_OPTIONS, Options
 from . import editions, guides, tables
 from .common import Common
 from .links import COMMANDS, PICTURES, command_page, entry_anchor
-from .no_answer import PAGE as NO_ANSWER, no_answer_page
 from .overview import overview
 from .pages import Pages
 from .probes import probes
@@ -61,6 +61,7 @@ class DocsTarget(Target):
             "docs",
             {
                 "md": markdown,
+                "spaced": spaced,
                 "code": code,
                 "block": block,
                 "command_page": command_page,
@@ -146,19 +147,18 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
         "hints": {name: book.labels[f"hint_{name}"] for name in ("c", "python", "sh")},
         "telling": list(guides.telling_frames(listed)),
         "probes": list(probes(book.listed)),
-        "words": [(edition, list(guides.words(edition, book.labels))) for edition in only_editions],
+        "words": [(edition, list(guides.words(edition))) for edition in only_editions],
     }
     view = {**book.view, **about}
-    no_answer = no_answer_page(only_editions, language)
-    view["labels"] = {**book.labels, "no_answer": no_answer.title if no_answer else ""}
-    asked = list(questions(book.listed, language))
+    causes = read_data(resources.NO_ANSWER)
+    no_answer = next((causes[edition.family] for edition in only_editions if edition.family in causes), None)
+    view["labels"] = {**book.labels, "no_answer": markdown(no_answer["title"][language]) if no_answer else ""}
+    asked = list(questions(book.listed))
     if asked:
         view["has_questions"] = True
-        page = env.get_template(f"{QUESTIONS}.md.j2").render(view, questions=asked)
-        yield Output(f"{language}/{QUESTIONS}.md", page)
+        yield Output(f"{language}/{QUESTIONS}.md", env.get_template(f"{QUESTIONS}.md.j2").render(view, questions=asked))
     if no_answer:
-        page = env.get_template(f"{NO_ANSWER}.md.j2").render(view, page=no_answer)
-        yield Output(f"{language}/{NO_ANSWER}.md", page)
+        yield Output(f"{language}/no-answer.md", env.get_template("no-answer.md.j2").render(view, page=no_answer))
     lines = list(editions.front(book.listed))
     yield Output(f"{language}/index.md", env.get_template("language.md.j2").render(view, editions=lines))
     if supported:

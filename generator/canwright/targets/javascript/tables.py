@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...model.layout import Field
 from ...model.message import Message
 from ...model.types import Bound, Linear, Parameter, Type
 from ...semantics.valid_raws import FiniteFloats, RawInterval, ValidRaws, valid_raws, width_limits
@@ -30,6 +31,11 @@ class JavaScriptTables(EditionTables):
             "range": self.by_parameter(valid, _range) if is_limited else None,
             "noValues": no_values or None,
         }
+
+    def field(self, field: Field) -> dict[str, Value]:
+        """A field, with what tools ask besides its value."""
+        counter = [field.counter.first, field.counter.last] if field.counter else None
+        return {**super().field(field), "checksum": True if field.checksum else None, "counter": counter}
 
     def message(self, message: Message) -> dict[str, Value]:
         """What a message is; its functions decide the rest."""

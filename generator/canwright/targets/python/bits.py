@@ -150,10 +150,7 @@ def terms(p: RawPosition, dlc: int) -> list[str]:
 
 def _write_segment(p: RawPosition, s: Segment, dlc: int) -> str:
     """The bits of a segment at their position in the data."""
-    bits = (
-        f"{p.target} >> {s.raw_low} & 0x{(1 << s.width) - 1:X}"
-        if s.raw_low
-        else f"{p.target} & 0x{(1 << s.width) - 1:X}"
-    )
+    shifted = f"{p.target} >> {s.raw_low}" if s.raw_low else p.target
+    bits = f"{shifted} & 0x{(1 << s.width) - 1:X}"
     shift = p.shift_of(s, dlc)
     return f"({bits}) << {shift}" if shift else f"({bits})"

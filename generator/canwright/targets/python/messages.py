@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Space
@@ -15,43 +14,27 @@ from . import client_facts, code, docstrings, encoding, text, types
 from .class_bodies import BodyView, ClassBodies, storage
 from .encoding import EncodeView
 
-Group = tuple[str, int, bool, str | None]
 
+def base_classes(edition: Edition) -> Mapping[str, Sequence[Message]]:
+    """The messages of each base class: they share a layout with fields, the length, and what the id contains.
 
-def _group(message: Message) -> Group:
-    """Messages of one group have one base class."""
-    return message.layout.name, message.dlc, message.id.nodes is not None, message.id.parameter
-
-
-def _shared(messages: Iterable[Message]) -> dict[Group, list[Message]]:
-    """The groups of several messages with fields."""
-    groups: dict[Group, list[Message]] = {}
-    for message in messages:
-        groups.setdefault(_group(message), []).append(message)
-    return {group: same for group, same in groups.items() if same[0].layout.fields and len(same) > 1}
+    Its name is that of the layout, with a number where several base classes have that layout.
+    """
+    alike: dict[str, dict[tuple[object, ...], list[Message]]] = {}
+    for message in edition.all_messages():
+        group = message.dlc, message.id.nodes is not None, message.id.parameter
+        alike.setdefault(message.layout.name, {}).setdefault(group, []).append(message)
+    bases: dict[str, Sequence[Message]] = {}
+    for layout, groups in alike.items():
+        shared = [same for same in groups.values() if same[0].layout.fields and len(same) > 1]
+        for number, same in enumerate(shared, 1):
+            bases[text.class_name(layout) + (str(number) if len(shared) > 1 else "")] = same
+    return bases
 
 
 def _has_body(message: Message) -> bool:
     """Whether the class has a constructor of its own: for fields, for a parameter in the id, or for several codes."""
     return bool(message.layout.fields or message_plan(message).codes) or message.id.parameter is not None
-
-
-def base_classes(edition: Edition) -> Iterator[tuple[DocumentPath, str]]:
-    """The names of base classes, with the paths of their layouts."""
-    shared = _shared(edition.all_messages())
-    return ((shared[group][0].layout.path, name) for group, name in _bases(shared).items())
-
-
-def _bases(groups: Iterable[Group]) -> dict[Group, str]:
-    """The base class of each group: the layout's name, with a number where several groups have that layout."""
-    of_layout: dict[str, list[Group]] = {}
-    for group in groups:
-        of_layout.setdefault(group[0], []).append(group)
-    return {
-        group: text.class_name(name) + (str(number) if len(same) > 1 else "")
-        for name, same in of_layout.items()
-        for number, group in enumerate(same, 1)
-    }
 
 
 def _place(message: Message) -> int:
@@ -68,11 +51,10 @@ def _differ_in_code_only(messages: Sequence[Message]) -> bool:
 class LayoutView:
     """A base class for the messages that share a layout."""
 
-    def __init__(self, views: MessageViews, messages: Sequence[Message]) -> None:
-        message, group = messages[0], _group(messages[0])
-        self.name, self.doc = views.bases[group], docstrings.of_layout(message.layout)
-        self.body = BodyView(views.bodies, messages, ())
-        self.encode = EncodeView(message, views.bodies, "self.CODE") if group in views.encoding_bases else None
+    def __init__(self, bodies: ClassBodies, name: str, messages: Sequence[Message]) -> None:
+        self.name, self.doc = name, docstrings.of_layout(messages[0].layout)
+        self.body = BodyView(bodies, messages, ())
+        self.encode = EncodeView(messages[0], bodies, "self.CODE") if _differ_in_code_only(messages) else None
         """How all of them write their bytes; None when they differ in more than their code."""
 
 
@@ -80,7 +62,7 @@ class MessageView:
     """The class of a message."""
 
     def __init__(self, views: MessageViews, command: Command, message: Message) -> None:
-        group, name, has_body = _group(message), text.class_name(message.name), _has_body(message)
+        name, has_body, base = text.class_name(message.name), _has_body(message), views.bases.get(message)
         codes, bodies = message_plan(message).codes, views.bodies
         is_request = message.direction is Direction.REQUEST
         self.message, self.name = message, name
@@ -89,7 +71,7 @@ class MessageView:
         self.doc = docstrings.of_message(command, message)
         self.node_place = _place(message) if message.node_in_data else None
         """The place of the node among the raw integers; None where it is not there."""
-        has_own = has_body and (codes or group not in views.bases)
+        has_own = has_body and (codes or base is None)
         self.body = BodyView(bodies, [message], command.from_each) if has_own else None
         """None when a base class has its fields, and no code has to be stored."""
         self.id = encoding.fixed_id(message)
@@ -100,7 +82,7 @@ class MessageView:
         """The assignment of the bits that fields fill in the id; None without any."""
         self.codes = code.tuple_of((f"0x{value:02X}" for value in codes), "CODES = ") if codes else None
         """The assignment of the codes that it can have; None if it has one at most."""
-        writes_own = has_body and (codes or group not in views.encoding_bases)
+        writes_own = has_body and (codes or base is None or base.encode is None)
         self.encode = EncodeView(message, bodies, "self._code" if codes else "") if writes_own else None
         self.confusions = list(encoding.confusion_views(message))
         occasions = message.sending.occasions if message.sending else ()
@@ -115,11 +97,11 @@ class MessageView:
         """Assignments of class attributes."""
 
     def _base_classes(self, views: MessageViews, command: Command, message: Message) -> Iterator[str]:
-        base = views.bases.get(_group(message))
+        base = views.bases.get(message)
         if not _has_body(message):
             yield views.bodies.imports.use("ToNode" if message.id.nodes is not None else "ToAll")
         elif base:
-            yield base
+            yield base.name
         replies = dict.fromkeys(text.class_name(reply.message.name) for reply in command.replies)
         is_request = message.direction is Direction.REQUEST
         yield f'Request["{" | ".join(replies) or "Message"}"]' if is_request else "Reply"
@@ -130,12 +112,10 @@ class MessageViews:
 
     def __init__(self, edition: Edition, bodies: ClassBodies) -> None:
         self.edition, self.bodies = edition, bodies
-        messages = edition.all_messages()
-        shared = _shared(messages)
-        self.bases = _bases(shared)
-        self.encoding_bases = {group for group, same in shared.items() if _differ_in_code_only(same)}
-        self.layouts = [LayoutView(self, same) for same in shared.values()]
-        self.messages = [MessageView(self, edition.command(m.command), m) for m in messages]
+        sharing = {LayoutView(bodies, name, same): same for name, same in base_classes(edition).items()}
+        self.layouts = list(sharing)
+        self.bases = {message: layout for layout, same in sharing.items() for message in same}
+        self.messages = [MessageView(self, edition.command(m.command), m) for m in edition.all_messages()]
 
 
 def _class_attributes(command: Command, parameters: Mapping[str, Parameter]) -> Iterator[code.Code]:

@@ -75,7 +75,7 @@ class PythonTarget(Target):
         for command in edition.commands:
             if message := command.request or command.reply:
                 yield command.path, text.class_name(message.name)
-        yield from base_classes(edition)
+        yield from ((same[0].layout.path, name) for name, same in base_classes(edition).items())
         for message in edition.all_messages():
             yield message.path, text.class_name(message.name)
             for field in message.layout.given:
