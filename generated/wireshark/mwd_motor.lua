@@ -88,6 +88,7 @@ end
 
 local function link_type(type_)
     type_.signed, type_.float = type_.encoding == "signed", type_.encoding == "float"
+    type_.half = power((type_.width - 1) % 32)
     type_.plain = type_.linear == nil
     type_.linear = type_.plain and { identity = true } or type_.linear
     type_.scale_by = type_.linear and type_.linear.by
@@ -98,7 +99,7 @@ local function link_type(type_)
     if type_.enum then
         type_.enum = by_key(type_.enum)
     end
-    type_.names = by_key(type_.names)
+    type_.names, type_.no_values = by_key(type_.names), type_.no_values or {}
     if type_.flags then
         type_.named = {}
         for number, flag in ipairs(type_.flags) do
@@ -309,11 +310,11 @@ end
 local function raw_integer(type_, low, high)
     if type_.signed then
         if type_.width <= 32 then
-            if low >= 2 ^ (type_.width - 1) then
-                low, high = low + TWO_32 - floor(2 ^ type_.width), -1
+            if low >= type_.half then
+                low, high = low + TWO_32 - 2 * type_.half, -1
             end
-        elseif high >= 2 ^ (type_.width - 33) then
-            high = high - floor(2 ^ (type_.width - 32))
+        elseif high >= type_.half then
+            high = high - 2 * type_.half
         end
     end
     return low, high, type_.width <= 53 and high * TWO_32 + low or high * 4294967296.0 + low
@@ -413,7 +414,7 @@ local function no_value_of(type_, low, high)
         low = type_.width == 32 and low % 2147483648 or low
         high = high % 2147483648
     end
-    for _, named in ipairs(type_.no_values or {}) do
+    for _, named in ipairs(type_.no_values) do
         if is_at_most(named[1], named[2], high, low) and is_at_most(high, low, named[3], named[4]) then
             return named[5]
         end
@@ -551,10 +552,7 @@ end
 
 -- The message of a frame of one direction ("requests" or "replies") and its node; nil and the reason without one.
 function codec.identify(edition, direction, frame)
-    local is_open = false
     for _, route in ipairs(edition[direction]) do
-        local is_of_kind = route.extended == frame.extended and route.remote == frame.remote
-        is_open = is_open or (is_of_kind and #route.offsets == 0)
         local node = node_of_rule(route, frame)
         if node ~= false then
             local step = route.plan
@@ -571,7 +569,12 @@ function codec.identify(edition, direction, frame)
             return step, node_of(step, frame, node)
         end
     end
-    return nil, is_open and "missing_parameter" or "unknown_id"
+    for _, route in ipairs(edition[direction]) do
+        if #route.offsets == 0 and route.extended == frame.extended and route.remote == frame.remote then
+            return nil, "missing_parameter"
+        end
+    end
+    return nil, "unknown_id"
 end
 
 -- The nodes that the id of a frame can mean, and whether requests and replies have the id. A node that is not in the id
@@ -897,8 +900,10 @@ end
 -- What many results have in common is one table, so that a million results take little memory.
 local function set_verdict(state, result, direction, rule, message, node, reason)
     local verdict = child(child(child(child(state.verdicts, message or reason), direction), rule), node or false)
-    verdict.direction, verdict.rule, verdict.message, verdict.node, verdict.reason = direction, rule, message, node, reason
-    verdict.__index = verdict
+    if not verdict.__index then
+        verdict.direction, verdict.rule, verdict.message, verdict.node, verdict.reason = direction, rule, message, node, reason
+        verdict.__index = verdict
+    end
     setmetatable(result, verdict)
 end
 
@@ -1016,16 +1021,15 @@ end
 
 -- The direction of a frame that can be both. Hosts can leave old bytes in reserved bits, so what these show is only assumed.
 local function by_exchange(state, bus, edition, possible, exchange, frame)
-    local is_regular = codec.has_regular_bits(possible.request, frame)
     if not exchange then
-        return is_regular and "request" or "reply", "assumed"
+        return codec.has_regular_bits(possible.request, frame) and "request" or "reply", "assumed"
     end
     local is_soon = bus.clock - exchange.since <= within(state, edition, exchange.request)
     local is_repeated, distinct = is_same(exchange.frame, frame), possible.request.answer.distinct
     if is_repeated and (not is_soon or distinct and replies_differ(exchange.request)) then
         return "request", exchange.request.answer.echo and "assumed" or "retry"
     end
-    if is_soon or not is_regular then
+    if is_soon or not codec.has_regular_bits(possible.request, frame) then
         return "reply", is_repeated and not exchange.request.answer.echo and "assumed" or "pairing"
     end
     return distinct and "request" or "reply", "assumed"
@@ -9234,8 +9238,8 @@ local function dissect(tvb, pinfo, tree)
         end
         branch:set_text(family.name .. " " .. known.edition.name .. ", " .. title)
     end
-    pinfo.cols.protocol = column
-    pinfo.cols.info = info_of(title, fields, rejection)
+    local columns = pinfo.cols
+    columns.protocol, columns.info = column, info_of(title, fields, rejection)
     return true
 end
 

@@ -31,8 +31,10 @@ end
 -- What many results have in common is one table, so that a million results take little memory.
 local function set_verdict(state, result, direction, rule, message, node, reason)
     local verdict = child(child(child(child(state.verdicts, message or reason), direction), rule), node or false)
-    verdict.direction, verdict.rule, verdict.message, verdict.node, verdict.reason = direction, rule, message, node, reason
-    verdict.__index = verdict
+    if not verdict.__index then
+        verdict.direction, verdict.rule, verdict.message, verdict.node, verdict.reason = direction, rule, message, node, reason
+        verdict.__index = verdict
+    end
     setmetatable(result, verdict)
 end
 
@@ -150,16 +152,15 @@ end
 
 -- The direction of a frame that can be both. Hosts can leave old bytes in reserved bits, so what these show is only assumed.
 local function by_exchange(state, bus, edition, possible, exchange, frame)
-    local is_regular = codec.has_regular_bits(possible.request, frame)
     if not exchange then
-        return is_regular and "request" or "reply", "assumed"
+        return codec.has_regular_bits(possible.request, frame) and "request" or "reply", "assumed"
     end
     local is_soon = bus.clock - exchange.since <= within(state, edition, exchange.request)
     local is_repeated, distinct = is_same(exchange.frame, frame), possible.request.answer.distinct
     if is_repeated and (not is_soon or distinct and replies_differ(exchange.request)) then
         return "request", exchange.request.answer.echo and "assumed" or "retry"
     end
-    if is_soon or not is_regular then
+    if is_soon or not codec.has_regular_bits(possible.request, frame) then
         return "reply", is_repeated and not exchange.request.answer.echo and "assumed" or "pairing"
     end
     return distinct and "request" or "reply", "assumed"

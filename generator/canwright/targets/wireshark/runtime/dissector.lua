@@ -603,8 +603,8 @@ local function dissect(tvb, pinfo, tree)
         end
         branch:set_text(family.name .. " " .. known.edition.name .. ", " .. title)
     end
-    pinfo.cols.protocol = column
-    pinfo.cols.info = info_of(title, fields, rejection)
+    local columns = pinfo.cols
+    columns.protocol, columns.info = column, info_of(title, fields, rejection)
     return true
 end
 
