@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
 from canwright.cli import main
-from canwright.model.edition import Edition
 from canwright.project.loader import spec_files, specification
 from canwright.recordings.grouping import groups
 from canwright.recordings.identify import identify
@@ -18,44 +17,24 @@ from canwright.semantics.frame import CanFrame
 from click.testing import CliRunner
 
 from ..spec_texts import ROOT
+from . import mixed_buses as buses
+from .mixed_buses import Motor
 
 EDITIONS = {e.name: e for e in (specification(file).edition for file in spec_files(ROOT / "spec"))}
 NODES = range(1, 19)
 Frames = Iterable[CanFrame]
 
 
-def exchange(name: str, node: int, rng: random.Random) -> Iterator[CanFrame]:
-    """A host that polls the status of a motor, sets its torque and reads its state; bytes as in the manuals."""
-    request, reply = 0x140 + node, (0x180 if name.startswith("v2.36") else 0x140) + node
-    iq, speed, encoder = (
-        rng.randrange(low, high).to_bytes(2, "little", signed=low < 0)
-        for low, high in ((-900, 900), (-700, 700), (0, 16384))
-    )
-    state = bytes([rng.randrange(25, 60)]) + iq + speed + encoder
-    if name == "v2.35":
-        status = b"\x32\0" + rng.randrange(440, 500).to_bytes(2, "little") + bytes(3)
-    else:
-        status = b"\x32" + rng.randrange(4400, 5000).to_bytes(2, "little") + iq + bytes(2)
-    yield CanFrame(request, b"\x9a" + bytes(7))
-    yield CanFrame(reply, b"\x9a" + status)
-    yield CanFrame(request, b"\xa1" + bytes(3) + iq + bytes(2))
-    yield CanFrame(reply, b"\xa1" + state)
-    yield CanFrame(request, b"\x9c" + bytes(7))
-    yield CanFrame(reply, b"\x9c" + state)
-    if name == "v2.36-2025-03":  # the lower angle, an index that only this edition has
-        yield CanFrame(request, bytes.fromhex("C023000000000000"))
-        yield CanFrame(reply, bytes.fromhex("C0230000F0D8FFFF"))
-    elif name == "v2.36-2024-11":  # the current ramp, which the later edition does not have
-        yield CanFrame(request, bytes.fromhex("C024000000000000"))
-        yield CanFrame(reply, bytes.fromhex("C024000010270000"))
+MIX = ("status", "torque", "feedback")
+OWN = {"v2.36-2024-11": ("current_ramp",), "v2.36-2025-03": ("lower_angle",)}
+"""What only one of two similar editions has."""
 
 
-def traffic(name: str, rounds: int = 20, nodes: Iterable[int] = NODES) -> Iterator[CanFrame]:
-    rng = random.Random(7)
-    listed = list(nodes)
-    for _ in range(rounds):
-        for node in listed:
-            yield from exchange(name, node, rng)
+def traffic(name: str, rounds: int = 20, nodes: Iterable[int] = NODES, mix: Sequence[str] = MIX) -> Iterator[CanFrame]:
+    """A host that polls the status of motors, sets their torque and reads their state."""
+    asked = (*mix, *OWN.get(name, ()))
+    motors = [Motor(node, name, asked, first=()) for node in nodes]
+    return (CanFrame(frame.id, frame.data) for frame in buses.frames(motors, rounds * len(asked), 7))
 
 
 def corrupted(frames: Frames, share: float, seed: int) -> Iterator[CanFrame]:
@@ -105,18 +84,9 @@ def test_a_canopen_frame_on_the_id_of_a_motor(name: str, foreign: str) -> None:
 
 @pytest.mark.parametrize("name", EDITIONS)
 def test_a_host_that_leaves_reserved_bytes_uncleared(name: str) -> None:
-    def dirty(frames: Frames) -> Iterator[CanFrame]:
-        for number, frame in enumerate(frames):
-            if number % 2:
-                yield frame
-            elif frame.data[0] in (0x9A, 0x9C):
-                yield frame._replace(data=frame.data[:1] + bytes.fromhex("DEADBEEFDEADBE"))
-            elif frame.data[0] == 0xA1:
-                yield frame._replace(data=b"\xa1\xde\xad\xbe" + frame.data[4:6] + b"\xef\xde")
-            else:
-                yield frame
-
-    assert fits(identified(dirty(traffic(name, nodes=[1, 2])))) == {1: [name], 2: [name]}
+    motors = [Motor(node, name, (*MIX, *OWN.get(name, ())), first=()) for node in (1, 2)]
+    dirty = buses.dirty(buses.frames(motors, 60, 7), 7)
+    assert fits(identified(CanFrame(frame.id, frame.data) for frame in dirty)) == {1: [name], 2: [name]}
 
 
 def test_the_buses_of_a_log_are_independent() -> None:
@@ -194,13 +164,13 @@ def test_requests_without_replies_are_counted() -> None:
 def test_equal_motors_are_one_result(folder: str) -> None:
     log = "".join(
         f"(1.000000) can0 {frame.id:03X}#{frame.data.hex().upper()}\n"
-        for frame in traffic("v2.35", rounds=2, nodes=range(1, 33))
+        for frame in traffic("v2.35", rounds=6, nodes=range(1, 33))
     )
     options = ["identify", "-", "--spec", str(ROOT / folder)]
     result = CliRunner().invoke(main, options, input=log)
     assert result.exit_code == 0, result.output
-    assert "mwd_motor, nodes 1..32, 384 frames: fits v2.35\n" in result.output
-    assert "\n  v2.36-2024-11, v2.36-2025-03 explain 192 of 384 frames; " in result.output
+    assert "mwd_motor, nodes 1..32, 1152 frames: fits v2.35\n" in result.output
+    assert "\n  v2.36-2024-11, v2.36-2025-03 explain 576 of 1152 frames; " in result.output
     assert len(result.output.splitlines()) < 15
 
 
@@ -226,13 +196,8 @@ def test_what_is_identified_is_printed_first() -> None:
 def test_one_edition_among_others_in_a_log_of_a_fast_loop() -> None:
     """The status that distinguishes two editions is one of 400 frames."""
 
-    def loop(edition: Edition) -> Iterator[CanFrame]:
-        rng = random.Random(1)
-        for number in range(6_000):
-            frames = list(exchange(edition.name, 1, rng))
-            yield from frames[2:4] if number % 200 else frames[:2]
-
-    assert fits(identified(loop(EDITIONS["v2.35-2024-02"]))) == {1: ["v2.35-2024-02"]}
+    loop = traffic("v2.35-2024-02", 30, [1], ("torque",) * 199 + ("status",))
+    assert fits(identified(loop)) == {1: ["v2.35-2024-02"]}
 
 
 def test_a_folder_without_specs(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import gzip
 import io
 import lzma
 import tracemalloc
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import can
@@ -32,29 +32,6 @@ MESSAGES = [
 FRAMES = [CanFrame(m.arbitration_id, bytes(m.data), m.is_extended_id) for m in MESSAGES]
 MARKS = [Mark.SENT, Mark.RECEIVED, Mark.SENT, Mark.RECEIVED]
 
-CANDUMP_LOG = """\
-(1700000000.000000) can0 141#A100000064000000 T
-(1700000000.125000) can0 141#A11A640000002301 R
-(1700000000.250000) can1 280# T
-(1700000000.375000) can1 12345678#00FF R
-"""
-CANDUMP_TERMINAL = """\
- (2023-11-14 22:13:20.000000)  can0  TX - -  141   [8]  A1 00 00 00 64 00 00 00   '........'
- (2023-11-14 22:13:20.125000)  can0  RX - -  141   [8]  A1 1A 64 00 00 00 23 01
- (2023-11-14 22:13:20.250000)  can1  TX B -  280   [0]
- (2023-11-14 22:13:20.375000)  can1  RX - E  12345678   [2]  00 FF
-"""
-SAVVYCAN = """\
-Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8
-1700000000000000,00000141,false,Tx,0,8,A1,00,00,00,64,00,00,00,
-1700000000125000,00000141,false,Rx,0,8,A1,1A,64,00,00,00,23,01,
-1700000000250000,00000280,false,Tx,1,0,
-1700000000375000,12345678,true,Rx,1,2,00,FF,
-"""
-
-
-COMPRESSED: dict[str, Callable[[bytes], bytes]] = {"gz": gzip.compress, "xz": lzma.compress}
-
 
 def log(content: bytes) -> Log:
     return Log(io.BytesIO(content), "the log")
@@ -63,25 +40,6 @@ def log(content: bytes) -> Log:
 def of(text: str) -> tuple[list[LogFrame], Log]:
     read = log(text.encode())
     return list(read), read
-
-
-@pytest.mark.parametrize("text", [CANDUMP_LOG, CANDUMP_TERMINAL, SAVVYCAN], ids=["-L -x", "-x -t A", "SavvyCAN"])
-@pytest.mark.parametrize("changed", ["", "utf-8-sig", "utf-16", "utf-16-le", "crlf", "gz", "xz"])
-def test_a_text_has_times_buses_and_marks_in_every_encoding(text: str, changed: str) -> None:
-    content = text.encode(changed if changed.startswith("utf") else "utf-8")
-    if changed == "crlf":
-        content = content.replace(b"\n", b"\r\n")
-    if changed in COMPRESSED:
-        content = COMPRESSED[changed](content)
-    read = log(content)
-    frames = list(read)
-    assert [r.frame for r in frames] == FRAMES
-    assert [r.mark for r in frames] == MARKS
-    assert [r.time for r in frames] == [START * 10**9 + i * 125_000_000 for i in range(4)]
-    assert len({r.bus for r in frames[:2]}) == len({r.bus for r in frames[2:]}) == 1
-    assert frames[0].bus != frames[2].bus
-    assert not read.counts.skipped
-    assert read.counts.frames == 4
 
 
 LOG_FORMATS = ["asc", "blf", "trc", "csv", "log", pytest.param("mf4", marks=pytest.mark.interop("asammdf"))]
@@ -259,37 +217,6 @@ def test_a_log_that_is_cut_off_before_its_times_are_known_keeps_its_frames() -> 
     assert next(frames).time == 0
     with pytest.raises(EOFError):
         next(frames)
-
-
-@pytest.mark.parametrize("cut", [20, 21, 22, 23])
-def test_a_recording_that_was_interrupted(cut: int) -> None:
-    frames, read = of(CANDUMP_LOG[: len("(1700000000.000000) can0 141#A100000064000000 T\n") + cut])
-    assert len(frames) == 1
-    assert read.counts.skipped == {SkippedPart.TRUNCATED: 1}
-
-
-@pytest.mark.parametrize(
-    ("suffix", "wrong"),
-    [
-        ("asc", "   0.500000 1  141             Rx   d 8 A1 ZZ 00 00 00 00 00 00\n"),
-        ("asc", "   0.500000 1  141             Rx   d\n"),
-        ("trc", "  9)         1.5 Rx     0141  8  A1 ZZ 00 00 00 00 00 00 \n"),
-        ("csv", "0.5,0x141,0,0,0\n"),
-        ("csv", "0.5,0x141,0,0,0,8,*\n"),
-    ],
-)
-def test_reading_goes_on_after_a_line_that_python_can_refuses(suffix: str, wrong: str, tmp_path: Path) -> None:
-    file = tmp_path / f"log.{suffix}"
-    with can.Logger(str(file)) as writer:
-        for message in MESSAGES:
-            writer.on_message_received(message)
-    lines = file.read_text("utf-8").splitlines(keepends=True)
-    at = next(i for i, line in enumerate(lines) if "141" in line and not line.startswith(";"))
-    lines.insert(at + 1, wrong)
-    read = log("".join(lines).encode())
-    assert [r.frame for r in read] == FRAMES
-    assert read.counts.skipped[SkippedPart.MALFORMED] == 1
-    assert read.counts.examples[SkippedPart.MALFORMED] == [(at + 2, wrong.strip())]
 
 
 @pytest.mark.parametrize("suffix", ["blf", "blf.gz", "log.gz", "log.xz"])

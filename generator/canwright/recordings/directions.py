@@ -497,24 +497,17 @@ class Directions:
         answered = self._answered(arrived)
         if answered is None:
             return self._request(arrived, DecidedBy.PAIRING)
-        exchange, first = answered.exchange, answered.exchange.request
+        exchange = answered.exchange
         is_soon = arrived.clock - exchange.last.clock <= exchange.rule.within
-        if exchange.rule.frame_class.is_echoed:
-            if is_soon:
-                self._repeat(exchange)
-                return self._reply(arrived, DecidedBy.PAIRING, self._answered(arrived))
+        if exchange.rule.frame_class.is_echoed and is_soon:
+            self._repeat(exchange)
+            return self._reply(arrived, DecidedBy.PAIRING, self._answered(arrived))
+        if exchange.rule.frame_class.is_echoed or (is_soon and not exchange.waiting):
             return self._wait(arrived, exchange)
         if exchange.waiting:
             self._decide_pending(exchange)
             return self._by_exchange(arrived)
-        rule = arrived.known.rule
-        if is_soon and rule.is_distinct:
-            return self._wait(arrived, exchange)
-        if arrived.recorded.frame == first.recorded.frame and not is_soon:
-            return self._request(arrived, DecidedBy.RETRY)
-        if not is_soon and (rule.is_distinct or rule.has_old_bits):
-            return self._request(arrived, DecidedBy.PAIRING)
-        return self._reply(arrived, DecidedBy.PAIRING, answered)
+        return self._request(arrived, self._repeated(exchange, arrived))
 
     def _wait(self, arrived: PendingFrame, exchange: _Exchange) -> DirectedFrame | PendingFrame:
         if len(exchange.waiting) >= MAX_OPEN:
@@ -610,7 +603,7 @@ class Directions:
     def _is_further(exchange: _Exchange, earlier: _Exchange) -> bool:
         """Whether a request follows another one so soon that it does not repeat it."""
         pause = exchange.request.clock - earlier.request.clock
-        return earlier.rule.is_distinct and not earlier.waiting and pause < earlier.rule.within // 2
+        return not earlier.waiting and pause < earlier.rule.within // 2
 
     def _reply(self, arrived: PendingFrame, decided_by: DecidedBy, answered: _Answered | None) -> DirectedFrame:
         own, recorded = arrived.known.rule.frame_class, arrived.recorded

@@ -156,15 +156,14 @@ class DirectionRule:
     """How the directions of the frames of a class are decided on a bus of some behaviour.
 
     `only` is the direction of all frames with this id, and that of all frames of the log if it is `by_log`. `window` is
-    the time in ns within which the request is answered, `bus_window` that of other requests. If `has_old_bits`, its
-    reserved bits can have any value.
+    the time in ns within which the request is answered, `bus_window` that of other requests.
     """
 
     def __init__(self, frame_class: FrameClass, behaviour: Behaviour, window: int | None) -> None:
         self.frame_class = frame_class
         self.by_log = frame_class.only is None and behaviour.only is not None
         self.only = frame_class.only or behaviour.only
-        self.request, self.has_old_bits = frame_class.request, False
+        self.request = frame_class.request
         self._own_time: int | None = None
         self._reply_time = behaviour.reply_time
         self.resolution = behaviour.resolution
@@ -173,10 +172,9 @@ class DirectionRule:
             within = frame_class.command.reply_within_ms
             self._own_time = None if within is None else int(within * 1_000_000)
             old = behaviour.old_bits_of(self.request.message)
-            self.has_old_bits = old is not None and old.value is None
-            value = self.request.reserved.value if old is None else old.value or 0
-            mask = 0 if self.has_old_bits else self.request.reserved.mask & self._of_replies
-            self.request = replace(self.request, reserved=MaskedBits(mask, value & mask))
+            value = self.request.reserved.value if old is None else old.value
+            mask = 0 if value is None else self.request.reserved.mask & self._of_replies
+            self.request = replace(self.request, reserved=MaskedBits(mask, (value or 0) & mask))
         self.bus_window = bus_window(frame_class.edition, behaviour, window)
         self.window = max(self.bus_window, self._own_time or 0)
 
@@ -194,13 +192,6 @@ class DirectionRule:
         """Whether all data can be a reply, and be a request but for its reserved bits and limits."""
         free = not any(form.constants is None or form.constants.mask for form in self._forms)
         return self.request is not None and len(self._forms) > 1 and free
-
-    @cached_property
-    def is_distinct(self) -> bool:
-        """Whether a reply can have data that the request does not allow."""
-        if self.request is None or self.request.limits:
-            return True
-        return bool(self.request.reserved.mask)
 
     def content(self, data: Any) -> Any:
         """What data can be, in the bits IS_REQUEST, IS_REPLY and IS_REGULAR; data is one integer, or an array."""

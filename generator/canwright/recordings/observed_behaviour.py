@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -240,15 +240,19 @@ class Observed:
         )
 
     def _old_bits(self) -> Iterable[OldBits]:
-        """The requests with old bits; a request with few frames counts as the others of its bus."""
-        every = self._of_request.values()
-        is_bus = _is_share(sum(each.pairs for each in every), sum(each.count for each in every), 1, _RARE)
+        """The requests with old bits: one that shows them, or all if the bus does."""
+        is_bus = _is_paired(self._of_request.values())
         for request, replies in self._of_request.items():
             value = _constant(request, replies)
-            is_old = _is_share(replies.pairs, replies.count, 1, _RARE) if replies.count >= _LEAST else is_bus
-            # Without requests in the log, few replies happen to follow each other as requests and replies do.
-            if (is_old and 6 * replies.pairs >= replies.orphans) or value is not None:
+            if is_bus or _is_paired([replies]) or value is not None:
                 yield OldBits(request, value)
+
+
+def _is_paired(listed: Collection[_Replies]) -> bool:
+    """Whether frames follow each other as requests with old bits and their replies do; a few replies happen to do so, too."""
+    pairs = sum(replies.pairs for replies in listed)
+    is_share = _is_share(pairs, sum(replies.count for replies in listed), 1, _RARE)
+    return is_share and 6 * pairs >= sum(replies.orphans for replies in listed)
 
 
 def _constant(request: Message, replies: _Replies) -> int | None:
