@@ -182,48 +182,6 @@ def test_marks_of_a_listener_do_not_decide_directions() -> None:
     assert [frame.direction for frame in judge(MOTOR, log)] == [Direction.REQUEST, Direction.REPLY]
 
 
-def test_marks_count_where_a_node_has_both() -> None:
-    """Another host drives node 2, also with requests that are all marked as received; or all frames are sent."""
-    status, angle = ("9A00000000000000", "9A20081300000000"), ("9200000000000000", "9218FCFFFFFFFFFF")
-    own = [f"0 141#{asked} T, 200 141#{answered} R" for asked, answered in (status, angle)]
-    of_others = [f"0 142#{asked} R, 200 142#{answered} R" for asked, answered in (status, angle)]
-    sent = [line.replace(" R", " T") for line in own]
-    for log, decided in ((own + of_others, "mark mark mark mark"), (sent, "pairing content pairing content")):
-        judged = judge(WITH_WRITES, in_cycles(*log))
-        assert [frame.direction for frame in judged] == [Direction.REQUEST, Direction.REPLY] * len(log)
-        assert " ".join(frame.decided_by.value for frame in judged[:4]) == decided
-
-
-@pytest.mark.parametrize("name", ["v2.35-2024-02", "v2.36-2024-11"])
-def test_a_copy_of_a_request_that_is_marked_as_received(name: str) -> None:
-    """The adapter returns the requests of its host."""
-    reply = "141" if name.startswith("v2.35") else "181"
-    cycle = f"0 141#9A00000000000000 T, 80 141#9A00000000000000 R, 300 {reply}#9A32081364000000 R"
-    judged = judge(EDITIONS[f"mwd_motor/{name}"], in_cycles(*[cycle] * 20))
-    assert {frame.decided_by for frame in judged[1::3]} == {DecidedBy.COPY}
-    assert [frame.request for frame in judged[2::3]] == [frame.number for frame in judged[::3]]
-
-
-@pytest.mark.parametrize("mark", ["", " R"])
-@pytest.mark.parametrize("data", ["B10E000022000000", "8C01000000000000"])
-def test_replies_with_the_bytes_of_writes_are_no_copies(data: str, mark: str) -> None:
-    asked = mark and " T"
-    write = f"0 141#{data}{asked}, 300 141#{data}{mark}"
-    read = f"0 141#9A00000000000000{asked}, 300 141#9A32081364000000{mark}"
-    judged = judge(WITH_WRITES, in_cycles(*[*[write] * 9, read] * 3))
-    assert [frame.request for frame in judged[1::2]] == [frame.number for frame in judged[::2]]
-
-
-@pytest.mark.parametrize("byte", ["55", "FF"])
-def test_bits_that_request_and_reply_reserve_do_not_decide(byte: str) -> None:
-    """A host that fills reserved bytes."""
-    read = f"0 141#9A{byte * 7}, 300 141#9A32081364000000"
-    brake = f"0 141#8C01{byte * 6}, 300 141#8C01000000000000"
-    write = f"0 141#B10E{byte * 2}22000000, 300 141#B10E000022000000"
-    judged = judge(WITH_WRITES, in_cycles(*[read, brake, write] * 20))
-    assert [frame.request for frame in judged[1::2]] == [frame.number for frame in judged[::2]]
-
-
 def repeated(frames: Sequence[LogFrame], after: int) -> list[LogFrame]:
     """The frames of two recorders, the clock of the second of which is late by some ns."""
     later = [frame._replace(time=frame.time + after) for frame in frames if frame.time is not None]
@@ -374,13 +332,13 @@ def test_parts_have_the_results_of_the_whole_log(log: list[LogFrame]) -> None:
     """Also of a log in which some frames have a time."""
     log = [frame._replace(bus="a") for frame in log]
     whole = judge(MOTOR, log)
-    cuts = [after.number for before, after in pairwise(whole) if before.ends_part or is_silent(before, after)]
+    cuts = [after.number for before, after in pairwise(whole) if is_silent(before, after)]
     parts = [log[start:end] for start, end in pairwise([0, *cuts, len(log)])]
     starts = [0, *cuts]
     results = [
-        facts(frame, range(len(log)))
+        facts(frame, range(start, len(log)))
         for start, part in zip(starts, parts, strict=True)
-        for frame in judge(MOTOR, part, behaviours=Directions({}, MOTOR).learn(log), first=start)
+        for frame in judge(MOTOR, part, behaviours=Directions({}, MOTOR).learn(log))
     ]
     assert results == [facts(frame, range(len(log))) for frame in whole]
 
@@ -388,19 +346,6 @@ def test_parts_have_the_results_of_the_whole_log(log: list[LogFrame]) -> None:
 def is_silent(before: DirectedFrame, after: DirectedFrame) -> bool:
     start, end = before.recorded.time, after.recorded.time
     return start is not None and end is not None and end - start > WINDOW
-
-
-def test_an_exchange_is_not_divided() -> None:
-    log = frames("141#8000000000000000 141#8000000000000000 280#0100020003000400 141#A13200E701000000")
-    assert [frame.ends_part for frame in judge(MOTOR, log)] == [False, True, False, False]
-
-
-def test_a_part_that_begins_with_a_frame_without_time() -> None:
-    foreign, off = frames("7FF#00 141#8000000000000000")
-    log = [foreign, off._replace(time=None), off._replace(time=10_000_000)]
-    whole, part = judge(MOTOR, log), judge(MOTOR, log[1:])
-    assert whole[0].ends_part
-    assert [frame.direction for frame in whole[1:]] == [frame.direction for frame in part]
 
 
 @pytest.mark.parametrize("mix", motor_bus.MIXES)

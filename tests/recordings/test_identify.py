@@ -12,6 +12,7 @@ from canwright.cli import main
 from canwright.model.edition import Edition
 from canwright.project.loader import spec_files, specification
 from canwright.recordings import candump
+from canwright.recordings.directions import DecidedBy, Directions
 from canwright.recordings.frame_classes import FrameClasses
 from canwright.recordings.identify import identify
 from canwright.recordings.kept_frames import BLOCK, MAX_KEPT
@@ -157,23 +158,53 @@ def test_an_edition_that_does_not_explain_what_another_one_explains_does_not_fit
     assert names(result) == []
 
 
-@pytest.mark.parametrize("mark", ["T", "R"])
-def test_a_copy_of_a_request_with_any_mark(mark: str) -> None:
-    cycle = f"0 141#9A00000000000000 T, 80 141#9A00000000000000 {mark}, 300 141#9A32081364000000 R"
-    (result,) = cycles(*[cycle] * 9).nodes
-    assert (names(result), result.scores[0].unanswered) == (["v2.35-2024-02"], {})
-    assert not result.scores[0].against
+def exchanges(data: str, answers: str, marks: str = "  ", id_: int = 0x141) -> list[str]:
+    """Cycles of a request and its reply 0.3 ms later, with the marks of both."""
+    pairs = zip(data.split(), answers.split(), strict=True)
+    return [f"0 {id_:X}#{asked} {marks[0]}, 300 {id_:X}#{answered} {marks[1]}" for asked, answered in pairs]
 
 
-def test_marks_count_where_a_node_has_both() -> None:
-    """Another host drives node 2; without a received frame, the motors are simulated on the computer of the recorder."""
-    status, angle = ("9A00000000000000", "9A20081300000000"), ("9200000000000000", "9218FCFFFFFFFFFF")
-    own = [f"0 141#{asked} T, 200 141#{answered} R" for asked, answered in (status, angle)]
-    of_others = [f"0 142#{asked} R, 200 142#{answered} R" for asked, answered in (status, angle)]
-    for result in cycles(*own, *of_others).nodes:
-        assert (names(result), result.scores[0].unanswered) == (["v2.35-2024-02"], {})
+POLL = "9A00000000000000"
+READS = exchanges("9A00000000000000 9200000000000000", "9A20081300000000 9218FCFFFFFFFFFF", "TR")
+WRITE, BRAKE = "B10E000022000000", "8C01000000000000"
+STATUS = "9A32081364000000"
+EXCHANGES = {
+    "another host drives node 2": [*READS, *(cycle.replace("141", "142").replace(" T", " R") for cycle in READS)],
+    "motors on the computer of the recorder": [cycle.replace(" R", " T") for cycle in READS],
+    **{
+        f"copies of requests with {mark}": [f"0 141#{POLL} T, 80 141#{POLL} {mark}, 300 141#{STATUS} R"] * 20
+        for mark in "TR"
+    },
+    **{
+        f"replies with the bytes of {data}, marks {marks}": exchanges(
+            f"{data} " * 9 + POLL, f"{data} " * 9 + STATUS, marks
+        )
+        * 3
+        for data in (WRITE, BRAKE)
+        for marks in ("  ", "TR")
+    },
+    **{
+        f"reserved bytes of {byte}": exchanges(
+            f"9A{byte * 7} 8C01{byte * 6} B10E{byte * 2}22000000", f"{STATUS} {BRAKE} {WRITE}"
+        )
+        * 20
+        for byte in ("55", "FF")
+    },
+}
+"""Logs of v2.35-2024-02 in cycles of a request, copies of it, and its reply."""
+
+
+@pytest.mark.parametrize("name", EXCHANGES)
+def test_exchanges_are_paired_and_identified(name: str) -> None:
+    """Each reply answers the first frame of its cycle, and nothing speaks against the edition."""
+    frames, size = in_cycles(*EXCHANGES[name]), EXCHANGES[name][0].count(",") + 1
+    for result in identify(frames, EDITIONS).nodes:
+        assert (names(result), result.unexplained, result.scores[0].unanswered) == (["v2.35-2024-02"], (), {})
         assert not result.scores[0].against
-    assert names(cycles(*[line.replace(" R", " T") for line in own]).nodes[0]) == ["v2.35-2024-02"]
+    (known,) = (edition for edition in EDITIONS if edition.name == "v2.35-2024-02")
+    judged = [*Directions({}, known).classify(frames)]
+    assert [frame.request for frame in judged[size - 1 :: size]] == [frame.number for frame in judged[::size]]
+    assert all(frame.decided_by is DecidedBy.COPY for at, frame in enumerate(judged) if at % size not in (0, size - 1))
 
 
 def test_a_poll_is_not_answered_by_itself() -> None:
@@ -182,23 +213,10 @@ def test_a_poll_is_not_answered_by_itself() -> None:
     assert names(cycles(*[poll] * 9).nodes[0]) == []
 
 
-@pytest.mark.parametrize("data", ["B10E000022000000", "8C01000000000000"])
-def test_the_reply_to_a_write_has_its_bytes(data: str) -> None:
-    write, read = f"0 141#{data}, 300 141#{data}", "0 141#9A00000000000000, 300 141#9A32081364000000"
-    (result,) = cycles(*[write] * 9, read).nodes
-    assert (names(result), result.scores[0].unanswered) == (["v2.35-2024-02"], {})
-    (silent,) = cycles(*[f"0 141#{data}, 5000 141#{data}"] * 9, read).nodes
+@pytest.mark.parametrize("data", [WRITE, BRAKE])
+def test_a_repeated_write_is_not_its_own_reply(data: str) -> None:
+    (silent,) = cycles(*[f"0 141#{data}, 5000 141#{data}"] * 9, *exchanges(POLL, STATUS)).nodes
     assert names(silent) == []
-
-
-@pytest.mark.parametrize("byte", ["55", "FF"])
-def test_a_host_that_fills_reserved_bytes(byte: str) -> None:
-    """Bits that request and reply reserve do not show which of the two a frame is."""
-    read = f"0 141#9A{byte * 7}, 300 141#9A32081364000000"
-    brake = f"0 141#8C01{byte * 6}, 300 141#8C01000000000000"
-    write = f"0 141#B10E{byte * 2}22000000, 300 141#B10E000022000000"
-    (result,) = cycles(*[read, brake, write] * 20).nodes
-    assert (names(result), result.unexplained, result.scores[0].unanswered) == (["v2.35-2024-02"], (), {})
 
 
 def test_a_node_with_a_damaged_id_is_listed_apart(tmp_path: Path) -> None:

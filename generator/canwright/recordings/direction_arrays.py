@@ -357,7 +357,7 @@ class _Frames(NamedTuple):
         result = node.directions.accept(self._frame(at))
         if kind is not None and kind.is_open:
             self.held.waiting.append((self.rows[at], result))
-        node.is_slow = not (isinstance(result, DirectedFrame) and result.ends_part)
+        node.is_slow = not node.directions.is_idle("")
 
     def verdict(self, node: _Node, before: int, at: int) -> int:
         """What a frame shows of the open request before it."""

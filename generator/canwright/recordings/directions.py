@@ -19,9 +19,8 @@ states, the window is longer. Where the log lacks requests or replies, all frame
 Where both directions remain possible, a frame waits for the next frames of its exchange, at most for the window: a
 reply follows its own request sooner than a repeated request follows the first.
 
-Buses are independent of each other. A log can be divided by bus, and after each frame that `ends_part`; also where a bus
-is silent for more than the longest window. No exchange is split there, and the parts have the same results as the whole
-if they are given its `behaviours`.
+Buses are independent of each other. A log can be divided by bus, and where a bus is silent for more than the longest window.
+No exchange is split there, and the parts have the same results as the whole if they are given its `behaviours`.
 """
 
 from __future__ import annotations
@@ -96,7 +95,6 @@ class DirectedFrame(NamedTuple):
     `edition` is None for an id of no edition, `direction` if no message of either direction fits, `node` for a frame
     without a node, as a broadcast is. If `message` is None, `rejection` states why. `request` is the number of the
     frame that a reply answers, `latency` the time since then in ns, and `is_late` whether other replies come much sooner.
-    If `ends_part`, no exchange is open on the bus after this frame.
     """
 
     recorded: LogFrame
@@ -107,7 +105,6 @@ class DirectedFrame(NamedTuple):
     decided_by: DecidedBy
     message: Message | None
     rejection: Rejection | None
-    ends_part: bool
     request: int | None = None
     latency: int | None = None
     is_late: bool = False
@@ -238,9 +235,8 @@ class Directions:
     `editions` are the editions of the nodes by bus and node, `default` that of all others. A request is answered within
     `window` ns; None for the time that suits the editions and the log. `recorder` is the direction of the frames that are
     marked as sent; None if marks do not count. `behaviours` are those of the buses; None if the first frames of the log
-    show them. If the log `is_stream`, no frame waits for these: what they show counts for later frames. `first` is the
-    number of the first frame. Before the frames with the numbers of `changes`, nodes get other editions, which are among
-    `further`.
+    show them. If the log `is_stream`, no frame waits for these: what they show counts for later frames. Before the
+    frames with the numbers of `changes`, nodes get other editions, which are among `further`.
     """
 
     def __init__(
@@ -252,7 +248,6 @@ class Directions:
         recorder: Direction | None = Direction.REQUEST,
         behaviours: Mapping[str, Behaviour] | None = None,
         is_stream: bool = False,
-        first: int = 0,
         further: Iterable[Edition] = (),
         changes: Mapping[int, Sequence[Change]] = MappingProxyType({}),
     ) -> None:
@@ -268,7 +263,7 @@ class Directions:
         self._of_mark = {Mark.SENT: recorder, Mark.RECEIVED: opposite} if recorder else {}
         self.behaviours = behaviours
         self._is_stream = is_stream
-        self._number = first
+        self._number = 0
         self._buses: dict[str, _Bus] = {}
         self._held: deque[PendingFrame | DirectedFrame] = deque()
         """Frames that wait, and those after them."""
@@ -407,6 +402,11 @@ class Directions:
         for exchange in [*state.waiting]:
             self._decide_pending(exchange)
 
+    def is_idle(self, bus: str) -> bool:
+        """Whether no exchange is open on a bus, and no frame can have a copy."""
+        state = self._buses[bus]
+        return not (state.open or state.waiting or state.latest)
+
     def forget(self, bus: str) -> Sequence[int]:
         """Forgets the exchanges of a bus; returns the numbers of the requests of those that are open."""
         state = self._buses[bus]
@@ -431,8 +431,7 @@ class Directions:
             bus.forget_classes()
         line = bus.lines.get((frame.id, frame.extended, frame.remote, len(frame.data))) or self._line(bus, recorded)
         if not line.editions:
-            ends_part = not bus.open and not bus.latest
-            return DirectedFrame(recorded, number, None, None, None, DecidedBy.NONE, None, None, ends_part)
+            return DirectedFrame(recorded, number, None, None, None, DecidedBy.NONE, None, None)
         data = int.from_bytes(frame.data, "little")
         known = line.known.get(data & line.key_bits) or self._known(bus, line, recorded, data)
         arrived = PendingFrame(bus, recorded, number, line, known)
@@ -454,13 +453,10 @@ class Directions:
                     request=None,
                     latency=None,
                     is_late=False,
-                    ends_part=not bus.open and not bus.latest,
                 )
         result = self._decide(arrived, data)
         if isinstance(result, PendingFrame) or result.direction in bus.copied:
             bus.latest[node] = _Latest(arrived.recorded.frame, bus.clock, result)
-        if isinstance(result, DirectedFrame):
-            return result._replace(ends_part=result.ends_part and not bus.latest)
         return result
 
     def _first(self, latest: _Latest) -> DirectedFrame:
@@ -735,8 +731,8 @@ def _directed(
     answer: tuple[int | None, int | None, bool] = (None, None, False),
 ) -> DirectedFrame:
     """The result for a frame; `answer` is the number of the request, the latency, and whether it is late."""
-    edition, ends_part = arrived.known.rule.frame_class.edition, arrived.exchange is None and not arrived.bus.open
-    known = arrived.recorded, arrived.number, node, edition, direction, decided_by, message, rejection, ends_part
+    edition = arrived.known.rule.frame_class.edition
+    known = arrived.recorded, arrived.number, node, edition, direction, decided_by, message, rejection
     return new_tuple(DirectedFrame, known + answer)
 
 

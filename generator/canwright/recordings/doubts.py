@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from ..model.message import Direction
 from .bus_behaviour import Behaviour
 from .directions import DecidedBy
 from .frame_classes import bus_window
-from .summary import NodeSummary, Summary
+from .summary import Summary
 from .two_recorders import two_recorders
 
 _LEAST = 8
@@ -25,48 +24,29 @@ _PLURALS = {Direction.REQUEST: "requests", Direction.REPLY: "replies"}
 _MARKS = "to be certain, record the marks of sent frames (`candump -l -x`, BLF, ASC)"
 
 
-@dataclass
-class _BusCounts:
-    """The frames of all nodes of a bus; replies are expected within `expected_within` ns."""
-
-    requests: int = 0
-    missing: int = 0
-    replies: int = 0
-    unexpected: int = 0
-    inferred: int = 0
-    expected_within: int = 0
-
-    def add(self, node: NodeSummary) -> None:
-        self.requests += node.requests
-        self.missing += node.missing
-        self.replies += node.replies
-        self.unexpected += node.unexpected
-        self.inferred += node.frames - node.decided[DecidedBy.ID] - node.decided[DecidedBy.MARK]
-        windows = (bus_window(edition, Behaviour(), None) for edition in node.editions)
-        self.expected_within = max(self.expected_within, *windows, 0)
-
-
 def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[str]:
     """A sentence for each bus whose directions are not certain."""
     yield from two_recorders(behaviours)
-    buses: dict[str, _BusCounts] = {}
-    for (bus, _), node in summary.nodes.items():
-        buses.setdefault(bus, _BusCounts()).add(node)
-    for bus, counts in buses.items():
+    for bus in dict.fromkeys(bus for bus, _ in summary.nodes):
+        nodes = [node for (of, _), node in summary.nodes.items() if of == bus]
+        missing, requests = sum(node.missing for node in nodes), sum(node.requests for node in nodes)
+        unexpected, replies = sum(node.unexpected for node in nodes), sum(node.replies for node in nodes)
+        inferred = sum(node.frames - node.decided[DecidedBy.ID] - node.decided[DecidedBy.MARK] for node in nodes)
+        windows = (bus_window(edition, Behaviour(), None) for node in nodes for edition in node.editions)
         where = f"{bus}: " if bus else ""
         behaviour = behaviours.get(bus, Behaviour())
-        limit = _FEW if counts.inferred and counts.unexpected >= _LEAST else 4
-        is_slow = (behaviour.reply_time or 0) > counts.expected_within
-        if behaviour.slowest is not None and counts.inferred and counts.unexpected:
+        limit = _FEW if inferred and unexpected >= _LEAST else 4
+        is_slow = (behaviour.reply_time or 0) > max(windows, default=0)
+        if behaviour.slowest is not None and inferred and unexpected:
             milliseconds = math.ceil(behaviour.slowest * 1.1 / 1_000_000)
             yield f"{where}replies come after up to {behaviour.slowest / 1_000_000:g} ms: --window {milliseconds} pairs them"
-        elif counts.replies >= _LEAST and limit * counts.unexpected > counts.replies:
+        elif replies >= _LEAST and limit * unexpected > replies:
             causes = ["it lacks requests", "replies take longer than --window"]
-            if counts.inferred:
+            if inferred:
                 causes.insert(1, "the host sets reserved bits")
-            advice = f"; {_MARKS}" if counts.inferred else ""
+            advice = f"; {_MARKS}" if inferred else ""
             yield (
-                f"{where}{counts.unexpected} of {counts.replies} replies answer no request in the log: {', '.join(causes[:-1])} or "
+                f"{where}{unexpected} of {replies} replies answer no request in the log: {', '.join(causes[:-1])} or "
                 f"{causes[-1]}{advice}"
             )
         elif behaviour.old_bits and (behaviour.unmarked or not behaviour.is_marked):
@@ -75,11 +55,9 @@ def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[st
             varies = any(bits.value is None for bits in behaviour.old_bits)
             how = f"times decide on their directions; {_MARKS}" if varies else "they are the same in all requests"
             yield f"{where}the host sends old bytes in reserved bits of {shown}: {how}"
-        elif (
-            is_slow and counts.inferred and counts.missing >= _LEAST and _UNANSWERED * counts.missing > counts.requests
-        ):
+        elif is_slow and inferred and missing >= _LEAST and _UNANSWERED * missing > requests:
             yield (
-                f"{where}{counts.missing} of {counts.requests} requests have no reply, and replies are slow: a request that "
+                f"{where}{missing} of {requests} requests have no reply, and replies are slow: a request that "
                 f"is repeated so soon can count as a reply; {_MARKS}"
             )
 

@@ -126,7 +126,7 @@ class JsonLines:
 
     def _line(self, row: Row) -> str:
         judged, form, fields, _ = row
-        (time, _, frame, _), number, _, _, _, _, _, rejection, _, request, latency, _ = judged
+        (time, _, frame, _), number, _, _, _, _, _, rejection, request, latency, _ = judged
         line, texts = self._formats.get(form) or self._format(form)
         if texts:
             fields = [*fields]

@@ -323,7 +323,7 @@ class _Following:
         """Chooses the edition of a node for its first frame that waits, or the next one."""
         self._waiting.discard(node)
         number, time = next(((n, frame.time) for n, frame, of in self._held if of is node), (self._number, None))
-        choice = _choice(result, _certain(()))._replace(start=Place(number, time))
+        choice = _choice(result, ())._replace(start=Place(number, time))
         choices = self._nodes.identified.get((node.bus, node.number))
         if not choices or choices[-1][1:3] != choice[1:3]:
             self._nodes.choose(node.bus, node.number, choice)
@@ -357,31 +357,20 @@ def _with_nodes(identification: Identification) -> Iterator[NodeResult]:
     return (result for result in identification.nodes if result.node is not None or result.bus not in having)
 
 
-class _Certain(NamedTuple):
-    """The editions of nodes that fit exactly one: of all buses, and by bus."""
-
-    editions: Sequence[Edition]
-    by_bus: Mapping[str, Sequence[Edition]]
+def _certain(results: Iterable[NodeResult]) -> Sequence[tuple[str, Edition]]:
+    """The buses and editions of nodes that are not stray and fit exactly one."""
+    return [*dict.fromkeys((r.bus, r.editions[0]) for r in results if len(r.editions) == 1 and not r.is_stray)]
 
 
-def _certain(results: Iterable[NodeResult]) -> _Certain:
-    """The editions of nodes that are not stray and fit exactly one."""
-    certain = dict.fromkeys((r.bus, r.editions[0]) for r in results if len(r.editions) == 1 and not r.is_stray)
-    by_bus: dict[str, list[Edition]] = {}
-    for bus, edition in certain:
-        by_bus.setdefault(bus, []).append(edition)
-    return _Certain([*dict.fromkeys(edition for _, edition in certain)], by_bus)
-
-
-def _choice(result: NodeResult, certain: _Certain) -> Choice:
+def _choice(result: NodeResult, certain: Sequence[tuple[str, Edition]]) -> Choice:
     """Of several editions that fit, that of another node, if any."""
     start = result.start or Place(0, None)
-    of_bus = certain.by_bus.get(result.bus, ())
+    of_bus = [edition for bus, edition in certain if bus == result.bus]
     fitting = result.editions
     if result.is_stray and len(fitting) > 1:
         fitting = tuple(candidate for candidate in fitting if candidate in of_bus)
     if fitting:
-        edition = next((candidate for candidate in certain.editions if candidate in fitting), fitting[0])
+        edition = next((candidate for _, candidate in certain if candidate in fitting), fitting[0])
         rest = tuple(candidate for candidate in fitting if candidate is not edition)
         return Choice(start, edition, rest, result.differing if rest else frozenset(), is_stray=result.is_stray)
     explained = [s for s in result.scores if s.is_explained(result.judged)] if result.is_judged else []

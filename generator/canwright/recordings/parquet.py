@@ -110,7 +110,7 @@ class _LayoutTable:
         import pyarrow as pa
 
         judged, forms, cells, _ = zip(*rows, strict=True)
-        recorded, number, _, _, _, _, _, _, _, request, latency, _ = zip(*judged, strict=True)
+        recorded, number, _, _, _, _, _, _, request, latency, _ = zip(*judged, strict=True)
         known = {form: at for at, form in enumerate(dict.fromkeys(forms))}
         of_rows = pa.array([known[form] for form in forms])
         integer, text = pa.int64(), pa.string()

@@ -138,7 +138,7 @@ class RowReader:
         """A row for each frame."""
         forms, label = self._forms, self._label
         for frame in judged:
-            (_, bus, _, _), _, *known, _, _, _, _, _ = frame  # node, edition, direction, rule and message
+            (_, bus, _, _), _, *known, _, _, _, _ = frame  # node, edition, direction, rule and message
             alike = (bus, label(frame), *known)
             yield (forms.get(alike) or self._form(alike, frame)).row(frame)
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Callable, Iterator
-from datetime import datetime, timezone
 from pathlib import Path
 from typing import IO, Any, BinaryIO, TextIO
 
@@ -27,8 +27,6 @@ _MARKS = (Mark.SENT, Mark.RECEIVED, None)
 """The marks of the channels of a bus, for a recorder that is the host."""
 _FD_END = "0 0 1000 0 0 0 0 0"
 """The end of a line of ASC with a frame of CAN FD: durations, flags of which one is that of CAN FD, and bit timings."""
-_DAYS = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
-_MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 
 
 class SplitLog:
@@ -98,11 +96,11 @@ def _asc(file: TextIO) -> tuple[Write, Callable[[], object]]:
     return write, lambda: file.write("End TriggerBlock\n")
 
 
-def _date(time: int) -> str:
+def _date(at: int) -> str:
     """A time in UTC as in an ASC file, in any locale."""
-    at = datetime.fromtimestamp(time // 1_000_000_000, tz=timezone.utc)
-    milliseconds = time // 1_000_000 % 1000
-    return f"{_DAYS[at.weekday()]} {_MONTHS[at.month - 1]} {at.day:02} {at:%H:%M:%S}.{milliseconds:03} {at.year}"
+    seconds, rest = divmod(at, 1_000_000_000)
+    written = time.asctime(time.gmtime(seconds)).replace("  ", " 0")
+    return f"{written[:-5]}.{rest // 1_000_000:03}{written[-5:]}"
 
 
 def _blf(file: BinaryIO) -> tuple[Write, Callable[[], object]]:
