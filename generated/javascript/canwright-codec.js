@@ -375,10 +375,10 @@ export function typesOf(types) {
 }
 
 class Field {
-  constructor({ name, elements, indices = null, only = null, fixed = null, constant = false, parameter = null, checksum = false, counter = null }, type) {
+  constructor({ name, elements, indices = null, only = null, hidden = false, fixed = null, constant = false, parameter = null, checksum = false, counter = null }, type) {
     const isArray = indices !== null;
-    Object.assign(this, { name, type, only, isArray, count: elements.length, isValue: fixed === null && parameter === null && !checksum });
-    const bits = { name, elements, isArray, indices, only, fixed, isConstant: constant, parameter, isChecksum: checksum, counter };
+    Object.assign(this, { name, type, only, isArray, count: elements.length, isValue: !hidden });
+    const bits = { name, elements, isArray, indices, only, isValue: !hidden, fixed, isConstant: constant, parameter, isChecksum: checksum, counter };
     this.description = { ...bits, type: type.description }; // for tools
   }
 

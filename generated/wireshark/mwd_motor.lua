@@ -123,7 +123,7 @@ local function link_layout(layout, types)
         elseif field.constant and field.fixed then
             layout.constants[#layout.constants + 1] = field
         end
-        if field.type.limited and not (field.only or field.constant or field.fixed or field.checksum) then
+        if field.type.limited and not (field.only or field.hidden) then
             layout.limited[#layout.limited + 1] = field
         end
     end
@@ -743,7 +743,7 @@ local function decoded_items(layout, choice)
     if not items then
         items = {}
         for _, field in ipairs(layout.fields) do
-            if not (field.fixed or field.parameter or field.checksum) and is_present(field, choice) then
+            if not field.hidden and is_present(field, choice) then
                 add_items(items, field)
             end
         end
@@ -5964,6 +5964,7 @@ editions[4] = codec.edition({
                     name = "group",
                     type = 19,
                     elements = {{{1, 0, 8, 0}}},
+                    hidden = true,
                     fixed = 5,
                     constant = true,
                     label = "Fixed byte",
@@ -5972,6 +5973,7 @@ editions[4] = codec.edition({
                     name = "key",
                     type = 19,
                     elements = {{{2, 0, 8, 0}}},
+                    hidden = true,
                     fixed = 250,
                     constant = true,
                     label = "Fixed byte",
@@ -6164,6 +6166,7 @@ editions[4] = codec.edition({
                     name = "group",
                     type = 19,
                     elements = {{{1, 0, 8, 0}}},
+                    hidden = true,
                     fixed = 5,
                     constant = true,
                     label = "Fixed byte",

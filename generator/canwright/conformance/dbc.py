@@ -25,6 +25,7 @@ from ..semantics.plan import message_plan
 from ..targets.base import EditionInput
 from ..targets.dbc.files import files
 from ..targets.dbc.frames import frames, obstacle
+from ..targets.dbc.limits import LIMITS
 from ..targets.dbc.names import known_values
 from ..targets.dbc.printer import printed
 from ..targets.dbc.view import File
@@ -60,8 +61,6 @@ class DbcAdapter(Adapter):
         "unnamed": "minimum and maximum leave out no single values, so an encoder takes those without a name",
         "reply_limits": "in a reply file minimum and maximum are all that the bits hold",
         "codes_in_id": "a DBC has ids, and does not know which part of them is a code",
-        "checksums": "a DBC can neither compute nor check a checksum",
-        "constants": "no reader checks what a constant signal holds",
         "reserved_in_id": "a DBC has ids as they are sent, and does not know that a part of them is ignored",
         "not_finite": "a float signal takes NaN and infinity, and a reader may change the bits of NaN",
         "rounding": "a reader works in doubles, rounds ties its own way, and compares with limits before it rounds",
@@ -70,9 +69,9 @@ class DbcAdapter(Adapter):
         "no_value_numbers": "an encoder takes the number of a raw integer that has a name, also beyond the limits",
         "left_out": "an id that carries a field, a remote frame, and fixed bytes above fields have no form in a DBC",
         "other_code": "a reader takes a frame for the message whose code the multiplexor contains",
-        "confusion": "a file does not reject values with which a receiver identifies another message",
         "selectors_apart": "nested multiplexors break readers; selectors that stand apart cannot be read as one",
         "lengths": "all messages of one id have one length",
+        **LIMITS,
     }
 
     def __init__(self, specification: EditionInput) -> None:

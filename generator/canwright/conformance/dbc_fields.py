@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -15,6 +14,7 @@ from cantools.database.namedsignalvalue import NamedSignalValue
 from ..model.layout import Field
 from ..model.refusal import Refusal
 from ..model.types import Encoding, factors
+from ..semantics.floats import bits_of, float_of
 from ..targets.dbc.frames import Part
 from ..targets.dbc.names import RAW_UNIT, signal_name, signals_of
 from .adapter import Cannot, ExactValue, Refused, Value
@@ -23,14 +23,6 @@ Number = int | float
 Data = dict[str, Number | str]
 Place = tuple[Signal, int, str | None]
 """A signal, the raw bit it starts at, and the flag that it is, if any."""
-
-_FLOATS = {32: (">I", ">f"), 64: (">Q", ">d")}
-
-
-def float_of(width: int, raw: int) -> float:
-    """The number that bits are."""
-    as_int, as_float = _FLOATS[width]
-    return float(struct.unpack(as_float, struct.pack(as_int, raw))[0])
 
 
 @dataclass(frozen=True)
@@ -51,8 +43,7 @@ class Cell:
 
     def raw(self, numbers: Mapping[str, Number]) -> int:
         if self.field.type.encoding is Encoding.FLOAT:
-            as_int, as_float = _FLOATS[self.field.type.width]
-            return int(struct.unpack(as_int, struct.pack(as_float, numbers[self.signal.name]))[0])
+            return bits_of(self.field.type.width, numbers[self.signal.name])
         return sum(int(numbers[signal.name]) << low for signal, low, _ in self.signals)
 
     def value(self, shown: Mapping[str, object]) -> float | str | list[str] | None:

@@ -16,11 +16,12 @@ from ..model.edition import Edition
 from ..model.layout import Field
 from ..model.message import Command, Direction, Message
 from ..model.refusal import Refusal
-from ..semantics.decoder import rejects_checked
+from ..semantics.decoder import failed_checks
 from ..semantics.encoder import Encoder
 from ..semantics.frame import has_id
-from ..semantics.plan import message_plan
+from ..semantics.plan import CheckMeaning, message_plan
 from ..targets.dbc.frames import Part
+from ..targets.dbc.limits import limit
 from ..targets.dbc.names import LETTER, message_endings, node_name, reserved_name
 from ..targets.dbc.text import fitting
 from ..targets.dbc.view import EXTENDED
@@ -124,15 +125,12 @@ class DbcFile:
     ) -> Decoded:
         raw, values = {}, {}
         part = self._part(message, numbers[selector.name] if selector else None)
-        plan = message_plan(message)
-        if plan.checksum and rejects_checked(message, frame, {}):
-            raise Cannot("checksums")
+        for check, _ in failed_checks(message, frame, {}):
+            raise Cannot(limit(check))
         for field in message.layout.fields:
             places = cells(can_message, part, field) or (cell_of_selector(selector, field) if selector else [])
             if places:
                 read = [place.raw(numbers) for place in places]
-                if field in plan.required and {*read} != {plan.required[field]}:
-                    raise Cannot("constants")
                 if field.is_given:
                     raw[field.name] = read if field.is_array else read[0]
                     values[field.name] = joined_value(field, read) if field.type.joined else values_of(places, shown)
@@ -226,8 +224,10 @@ class DbcFile:
                 if refused:
                     return refused
         checked = _checked(part, can_message, data, scaled, parameters)
-        if isinstance(checked, Encoded) and plan.checksum:
-            raise Cannot("checksums")
+        # whether values mean another message depends on them, so `means_another` decides that
+        limits = filter(None, (limit(step) for step in plan.encoding if not isinstance(step, CheckMeaning)))
+        for name in limits if isinstance(checked, Encoded) else ():
+            raise Cannot(name)
         return checked
 
 

@@ -28,7 +28,7 @@ from ..semantics.frame import (
     parts_of,
     wrong_constants,
 )
-from ..semantics.plan import MaskedBits, message_plan
+from ..semantics.plan import CheckParameter, MaskedBits, message_plan
 from ..semantics.valid_raws import FlagBits, NamedRaws, RawInterval, valid_raws
 from .bus_behaviour import Behaviour
 
@@ -270,7 +270,9 @@ class FrameClasses:
         self.edition = edition
         self._decoder = Decoder(edition)
         self._with_checks = frozenset(
-            m for m in edition.all_messages() if message_plan(m).required or message_plan(m).checksum
+            message
+            for message in edition.all_messages()
+            if any(not isinstance(check, CheckParameter) for check in message_plan(message).checks)
         )
         rules = dict.fromkeys(reply.id for reply in edition.messages(Direction.REPLY))
         self._rules = {rule: number for number, rule in enumerate(rules)}

@@ -7,7 +7,6 @@ and rejects for the same reasons. Programs use the generated bindings.
 from __future__ import annotations
 
 import math
-import struct
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -19,8 +18,9 @@ from ..model.message import BitRun, Direction, Message
 from ..model.refusal import Refusal
 from ..model.types import NO_PARAMETERS, Assignment, Encoding, Linear, Type, number_of, product_of
 from .dispatch import Discriminator, DispatchNode, Length, MaskedId, Match, Route, Select, dispatch_plan
+from .floats import float_of
 from .frame import CanFrame, Raw, checksum_of, code_of, difference, differs, node_in_id, raw_of, read_bits
-from .plan import CheckChecksum, CheckConstant, CheckParameter, ChooseFields, ReadField, message_plan
+from .plan import Check, CheckConstant, CheckParameter, ChooseFields, ReadField, message_plan
 
 Value = Fraction | str | list[str] | None
 
@@ -147,15 +147,19 @@ def rejects_checked(message: Message, frame: CanFrame, assignment: Assignment) -
 
     A constant that exists only under an unknown parameter, or that is an unknown parameter, is not checked.
     """
-    for check in message_plan(message).decoding:
-        if isinstance(check, (ChooseFields, ReadField)) or not message.layout.has(check.field, assignment):
+    return next((rejection for _, rejection in failed_checks(message, frame, assignment)), None)
+
+
+def failed_checks(message: Message, frame: CanFrame, assignment: Assignment) -> Iterator[tuple[Check, Rejection]]:
+    """The checks of `rejects_checked` that a frame fails, each with the rejection."""
+    for check in message_plan(message).checks:
+        if not message.layout.has(check.field, assignment):
             continue
         if isinstance(check, CheckParameter) and check.parameter not in assignment:
             continue
         rejection = _rejection(check, frame, assignment)
         if rejection is not None:
-            return rejection
-    return None
+            yield check, rejection
 
 
 def missing_parameter(message: Message, step: ChooseFields) -> Rejection:
@@ -175,9 +179,7 @@ def _wrong_parameter(check: CheckParameter, frame: CanFrame, assignment: Assignm
     return Rejection(Refusal.WRONG_CONSTANT, f"the constant `{name}` is not {formatting.exact(raw)}", name)
 
 
-def _rejection(
-    check: CheckConstant | CheckChecksum | CheckParameter, frame: CanFrame, assignment: Assignment
-) -> Rejection | None:
+def _rejection(check: Check, frame: CanFrame, assignment: Assignment) -> Rejection | None:
     """The rejection by a check; None for a frame that passes."""
     if isinstance(check, CheckParameter):
         return _wrong_parameter(check, frame, assignment)
@@ -218,7 +220,7 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
     if linear is None:
         return None
     if type_.encoding is Encoding.FLOAT:
-        number = _float(type_, raw)
+        number = float_of(type_.width, raw)
         return Fraction(number) * linear.scale + linear.offset if math.isfinite(number) else None
     scaled = raw * linear.scale
     return scaled + linear.offset if linear.offset else scaled
@@ -227,14 +229,7 @@ def value_of(type_: Type, raw: int, assignment: Assignment) -> Value:
 def is_finite(type_: Type, raw: int) -> bool:
     """False if a raw integer is the bit pattern of infinity or NaN, or no bit pattern of this width."""
     low, high = type_.raw_limits
-    return low <= raw <= high and math.isfinite(_float(type_, raw))
-
-
-def _float(type_: Type, raw: int) -> float:
-    """The float with a bit pattern."""
-    bits, number = {32: ("<I", "<f"), 64: ("<Q", "<d")}[type_.width]
-    result: float = struct.unpack(number, struct.pack(bits, raw))[0]
-    return result
+    return low <= raw <= high and math.isfinite(float_of(type_.width, raw))
 
 
 def linear_of(type_: Type, assignment: Assignment) -> Linear | None:

@@ -6,7 +6,6 @@ Every target decides in the same order and rejects for the same reasons.
 from __future__ import annotations
 
 import math
-import struct
 from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
@@ -21,6 +20,7 @@ from ..model.types import Assignment, Bound, Encoding, Type, factors
 from .bits import placed
 from .confusion import is_confused
 from .decoder import Rejection, is_finite, linear_of, missing_parameter, value_of
+from .floats import bits_of
 from .frame import CanFrame, Raw, checksum_of, parameter_raw
 from .plan import (
     CheckAvailable,
@@ -394,13 +394,11 @@ def _has_value_within(value: object, low: Fraction | int | None, high: Fraction 
 
 
 def _float_bits(field: Field, value: Fraction) -> int | Rejection:
-    bits, code = {32: ("<I", "<f"), 64: ("<Q", "<d")}[field.type.width]
     try:
         number = float(value)
-        if field.type.width == 32 and number != value and not struct.pack("<d", number)[0] & 1:
+        if field.type.width == 32 and number != value and not bits_of(64, number) & 1:
             # with an odd last bit, the number is rounded to 32 bits as if only once
             number = math.nextafter(number, math.inf if value > number else -math.inf)
-        raw: int = struct.unpack(bits, struct.pack(code, number))[0]
+        return bits_of(field.type.width, number)
     except OverflowError:
         return Rejection(Refusal.OUT_OF_RANGE, f"`{field.name}` is too large for its float", field.name)
-    return raw

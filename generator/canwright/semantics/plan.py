@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
 
 from ..model.edition import Edition
 from ..model.exhaustive import assert_never
@@ -31,14 +30,16 @@ from .bits import data_bits, placed
 from .checksum import ChecksumPlan, checksum_plan
 
 
-class CheckConstant(NamedTuple):
+@dataclass(frozen=True)
+class CheckConstant:
     """Reject (wrong_constant) if an element of the field has another raw integer than `raw`."""
 
     field: Field
     raw: int
 
 
-class CheckChecksum(NamedTuple):
+@dataclass(frozen=True)
+class CheckChecksum:
     """Reject (wrong_checksum) if the field is not the checksum of the frame, which the spec states as `role`."""
 
     field: Field
@@ -46,25 +47,29 @@ class CheckChecksum(NamedTuple):
     checksum: ChecksumPlan
 
 
-class CheckAvailable(NamedTuple):
+@dataclass(frozen=True)
+class CheckAvailable:
     """Reject (not_available) if a parameter has a value that is not one of those in `only`; an unknown one is accepted."""
 
     only: Mapping[str, tuple[str, ...]]
 
 
-class CheckCode(NamedTuple):
+@dataclass(frozen=True)
+class CheckCode:
     """Reject (unknown_code) if a code is given that is not one of `values`; without one, the first of them is sent."""
 
     values: tuple[int, ...]
 
 
-class CheckNode(NamedTuple):
+@dataclass(frozen=True)
+class CheckNode:
     """Reject (unknown_node) if the node is not one of `nodes`, or is missing."""
 
     nodes: range
 
 
-class ChooseFields(NamedTuple):
+@dataclass(frozen=True)
+class ChooseFields:
     """Reject (missing_parameter) if the parameter that decides which fields exist is missing.
 
     Before this step, only fields without `only` are used; afterwards, fields that do not exist are skipped.
@@ -73,26 +78,30 @@ class ChooseFields(NamedTuple):
     parameter: str
 
 
-class CheckParameter(NamedTuple):
+@dataclass(frozen=True)
+class CheckParameter:
     """Reject if the parameter is missing (missing_parameter), or if the field has another raw integer (wrong_constant)."""
 
     field: Field
     parameter: str
 
 
-class NeedParameter(NamedTuple):
+@dataclass(frozen=True)
+class NeedParameter:
     """Reject (missing_parameter) if a parameter in the id is missing."""
 
     parameter: str
 
 
-class ReadField(NamedTuple):
+@dataclass(frozen=True)
+class ReadField:
     """Read the raw integer of the field, or one for each element."""
 
     field: Field
 
 
-class CheckField(NamedTuple):
+@dataclass(frozen=True)
+class CheckField:
     """Reject (out_of_range, not_finite) if a raw integer is invalid for the type of the field, see `valid_raws`.
 
     An encoder of values converts them here: to the nearest raw integer, ties away from zero.
@@ -101,7 +110,8 @@ class CheckField(NamedTuple):
     field: Field
 
 
-class WriteFixed(NamedTuple):
+@dataclass(frozen=True)
+class WriteFixed:
     """Write the same raw integer into bits of every frame: of a key, or of a constant or reserved field."""
 
     space: Space
@@ -110,41 +120,48 @@ class WriteFixed(NamedTuple):
     field: Field | None
 
 
-class WriteCode(NamedTuple):
+@dataclass(frozen=True)
+class WriteCode:
     """Write the code into the bits of its key."""
 
     key: Key
     field: None = None
 
 
-class WriteParameter(NamedTuple):
+@dataclass(frozen=True)
+class WriteParameter:
     """Write the value of a parameter into the field; reject (missing_parameter) if it is missing."""
 
     field: Field
     parameter: str
 
 
-class WriteField(NamedTuple):
+@dataclass(frozen=True)
+class WriteField:
     """Write the raw integers of the field. All other bits are 0."""
 
     field: Field
 
 
-class WriteChecksum(NamedTuple):
+@dataclass(frozen=True)
+class WriteChecksum:
     """Write the checksum of all that is written before."""
 
     field: Field
     checksum: ChecksumPlan
 
 
-class CheckMeaning(NamedTuple):
+@dataclass(frozen=True)
+class CheckMeaning:
     """Reject (wrong_message) if the frame that is written is identified as another message."""
 
     confusion: Confusion
     field: None = None
 
 
-DecodingStep = CheckConstant | CheckChecksum | ChooseFields | CheckParameter | ReadField
+Check = CheckConstant | CheckChecksum | CheckParameter
+"""The checks of a field that no user gives."""
+DecodingStep = Check | ChooseFields | ReadField
 EncodingStep = (
     CheckAvailable
     | CheckCode
@@ -161,14 +178,16 @@ EncodingStep = (
 )
 
 
-class AcceptedKey(NamedTuple):
+@dataclass(frozen=True)
+class AcceptedKey:
     """A key with the values that a receiver accepts; a sender writes the first one, or one that is given."""
 
     key: Key
     values: tuple[int, ...]
 
 
-class MaskedBits(NamedTuple):
+@dataclass(frozen=True)
+class MaskedBits:
     """Some bits of the data, read as one little-endian integer, or of the id, and their value."""
 
     mask: int
@@ -206,6 +225,11 @@ class MessagePlan:
         """The codes that a frame can have, first the one that is sent unless another is given; empty if there is no choice."""
         values = self.keys[0].values if self.keys else ()
         return values if len(values) > 1 else ()
+
+    @cached_property
+    def checks(self) -> tuple[Check, ...]:
+        """The checks of fields that no user gives."""
+        return tuple(step for step in self.decoding if not isinstance(step, (ChooseFields, ReadField)))
 
     @cached_property
     def checksum(self) -> CheckChecksum | None:

@@ -101,10 +101,10 @@ class EditionTables(Positions, ABC):
         return {"by": of.parameter, "cases": cases}
 
     def field(self, field: Field) -> dict[str, Value]:
-        """A field; `fixed` is the raw integer that is always sent, which a receiver checks in a `constant`.
+        """A field, `hidden` if messages do not have it as a value.
 
-        A constant without it has the value of `parameter`. A `checksum` is computed as the
-        message states.
+        `fixed` is the raw integer that is always sent, which a receiver checks in a `constant`. A constant without it has
+        the value of `parameter`. A `checksum` is computed as the message states.
         """
         return {
             "name": field.name,
@@ -112,6 +112,7 @@ class EditionTables(Positions, ABC):
             "elements": [segments(element.segments, field.space) for element in field.elements],
             "indices": [element.index or 0 for element in field.elements] if field.is_array else None,
             "only": list(field.only) or None,
+            "hidden": None if field.is_given else True,
             **self._role(field.role, field.type.width),
         }
 

@@ -309,8 +309,22 @@ const LAYOUTS = /* @__PURE__ */ layoutsOf(TYPES, [
   },
   {
     fields: [
-      { name: "group", type: 19, elements: [[[1, 0, 8, 0]]], fixed: 5, constant: true },
-      { name: "key", type: 19, elements: [[[2, 0, 8, 0]]], fixed: 250, constant: true },
+      {
+        name: "group",
+        type: 19,
+        elements: [[[1, 0, 8, 0]]],
+        hidden: true,
+        fixed: 5,
+        constant: true,
+      },
+      {
+        name: "key",
+        type: 19,
+        elements: [[[2, 0, 8, 0]]],
+        hidden: true,
+        fixed: 250,
+        constant: true,
+      },
     ],
   },
   { fields: [{ name: "state", type: 20, elements: [[[1, 0, 8, 0]]] }] },
@@ -391,7 +405,14 @@ const LAYOUTS = /* @__PURE__ */ layoutsOf(TYPES, [
   },
   {
     fields: [
-      { name: "group", type: 19, elements: [[[1, 0, 8, 0]]], fixed: 5, constant: true },
+      {
+        name: "group",
+        type: 19,
+        elements: [[[1, 0, 8, 0]]],
+        hidden: true,
+        fixed: 5,
+        constant: true,
+      },
       { name: "result", type: 36, elements: [[[2, 0, 8, 0]]] },
     ],
   },

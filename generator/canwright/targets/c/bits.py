@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ...model.exhaustive import assert_never
 from ...model.layout import Field, Segment, Space
-from ...model.message import BitRun, Confusion, Key
+from ...model.message import BitRun, Confusion
 from ...semantics.plan import (
     CheckAvailable,
     CheckCode,
@@ -29,22 +29,33 @@ from .expressions import Integer, integer, joined, operand, raw_of, smallest, wo
 from .names import member
 
 
-def read_field(field: Field, segments: Sequence[Segment], frame: str = "frame") -> str:
+def read(space: Space, segments: Sequence[Segment], width: int, frame: str = "frame") -> str:
+    """The expression of some bits of a frame, without a sign."""
+    if len(segments) == 1 and not segments[0].raw_low:
+        return _term(space, segments[0], frame)
+    wide = working(width)
+    terms = [f"({wide.name}){operand(_term(space, s, frame))}" for s in segments]
+    return joined(
+        "|", [f"{term} << {s.raw_low}" if s.raw_low else term for s, term in zip(segments, terms, strict=True)]
+    )
+
+
+def read_field(field: Field, segments: Sequence[Segment]) -> str:
     """The expression of the raw integer of a field, in its C type."""
     kind, width = integer(field.type), field.type.width
-    read = _read(field.space, segments, width, frame)
+    bits = read(field.space, segments, width)
     is_whole = kind.width == working(width).width or (is_byte(field.space, segments) and not segments[0].raw_low)
-    unsigned = read if is_whole else f"({kind.unsigned.name})({read})"
+    unsigned = bits if is_whole else f"({kind.unsigned.name})({bits})"
     if not kind.signed:
         return unsigned
     if kind.width == width < 32:
         return f"canwright_signed{width}({unsigned})"
     wide = Integer(working(width).width, True)
-    signed = _sign_extended(field, segments, frame) or f"canwright_signed{wide.width}({read}, {width}u)"
+    signed = _sign_extended(field, segments) or f"canwright_signed{wide.width}({bits}, {width}u)"
     return signed if kind == wide else f"({kind.name}){signed}"
 
 
-def _sign_extended(field: Field, segments: Sequence[Segment], frame: str) -> str:
+def _sign_extended(field: Field, segments: Sequence[Segment]) -> str:
     """A signed number through the sign of its highest byte, which takes fewer instructions; empty if it cannot be read so.
 
     That byte is a whole one, no byte has bits of both words, and each word is read by itself.
@@ -56,30 +67,25 @@ def _sign_extended(field: Field, segments: Sequence[Segment], frame: str) -> str
     low = [s for s in rest if s.raw_low < 32]
     high = [replace(s, raw_low=s.raw_low - 32) for s in rest if s.raw_low >= 32]
     shift = top.raw_low % 32
-    terms = [f"(uint32_t)canwright_signed8({_term(field.space, top, frame)})" + (f" << {shift}" if shift else "")]
-    read_low = _read(field.space, low, 32, frame)
+    terms = [f"(uint32_t)canwright_signed8({_term(field.space, top, 'frame')})" + (f" << {shift}" if shift else "")]
+    read_low = read(field.space, low, 32)
     if field.type.width < 32:
         return f"canwright_signed32({joined('|', [read_low, *terms])}, 32u)"
-    words = joined("|", [_read(field.space, high, 32, frame), *terms] if high else terms)
+    words = joined("|", [read(field.space, high, 32), *terms] if high else terms)
     return f"canwright_signed_words({words}, {read_low})"
 
 
 def key_value(key: BitRun, frame: str = "frame") -> str:
     """The expression of the bits of a key in a frame."""
-    return _read(key.space, key.segments, key.width, frame)
-
-
-def read_segments(space: Space, segments: Sequence[Segment], width: int) -> str:
-    """The expression of some bits of a frame."""
-    return _read(space, segments, width, "frame")
+    return read(key.space, key.segments, key.width, frame)
 
 
 def constant_differs(check: CheckConstant) -> str:
     """The condition for a frame with another value of a constant field."""
     field, value = check.field, check.raw & ((1 << check.field.type.width) - 1)
     kind = _shown(field.type.width, field.elements[0].segments)
-    reads = (operand(_read(field.space, e.segments, field.type.width, "frame")) for e in field.elements)
-    return joined("||", [f"{read} != {kind.bits(value)}" for read in reads])
+    each = (operand(read(field.space, e.segments, field.type.width)) for e in field.elements)
+    return joined("||", [f"{bits} != {kind.bits(value)}" for bits in each])
 
 
 def is_confused(confusions: Iterable[Confusion]) -> str:
@@ -99,17 +105,12 @@ def is_confused(confusions: Iterable[Confusion]) -> str:
 
 def constant_read(field: Field) -> str:
     """The expression of the raw bits of a field that is no array."""
-    return operand(_read(field.space, field.elements[0].segments, field.type.width, "frame"))
+    return operand(read(field.space, field.elements[0].segments, field.type.width))
 
 
 def labels(key: BitRun, values: Iterable[int]) -> list[str]:
     """Values of a key as C literals."""
     return [_shown(key.width, key.segments).bits(value) for value in values]
-
-
-def key_bytes(keys: Sequence[Key]) -> set[int]:
-    """The data bytes that contain bits of keys."""
-    return {s.byte for key in keys if key.space is Space.DATA for s in key.segments}
 
 
 class Write(NamedTuple):
@@ -119,23 +120,16 @@ class Write(NamedTuple):
     value: str
 
 
-def write_key(key: Key, name: str) -> list[Write]:
-    """Writes the value of a key, a variable without other bits, into bits that are 0."""
-    return list(write_segments(key.space, key.segments, key.width, name))
-
-
-def write_segments(space: Space, segments: Sequence[Segment], width: int, name: str) -> Iterator[Write]:
+def write(space: Space, segments: Sequence[Segment], width: int, name: str) -> Iterator[Write]:
     """Writes a variable of a width, without other bits, into bits that are 0."""
-    return (_write_segment(space, width, name, s) for s in segments)
-
-
-def _write_segment(space: Space, width: int, name: str, s: Segment) -> Write:
-    bits = _piece_of(name, working(width), s, is_masked=s.raw_low + s.width < width)
-    if space is Space.ID:
-        return Write(None, bits)
-    if s.width == 8:
-        return Write(s.byte, f"(uint8_t)({name} >> {s.raw_low})" if s.raw_low else f"(uint8_t){name}")
-    return Write(s.byte, f"(uint8_t)(frame->data[{s.byte}] | {bits})")
+    for s in segments:
+        bits = _piece_of(name, working(width), s, is_masked=s.raw_low + s.width < width)
+        if space is Space.ID:
+            yield Write(None, bits)
+        elif s.width == 8:
+            yield Write(s.byte, f"(uint8_t)({name} >> {s.raw_low})" if s.raw_low else f"(uint8_t){name}")
+        else:
+            yield Write(s.byte, f"(uint8_t)(frame->data[{s.byte}] | {bits})")
 
 
 def write_fields(
@@ -208,20 +202,6 @@ def _write(field: Field, member: str, s: Segment) -> str:
 
 def _as(wanted: Integer, kind: Integer, expression: str) -> str:
     return expression if kind == wanted else f"({wanted.name}){expression}"
-
-
-def _read(space: Space, segments: Sequence[Segment], width: int, frame: str) -> str:
-    if len(segments) == 1 and not segments[0].raw_low:
-        return _term(space, segments[0], frame)
-    wide = working(width)
-    terms = [operand(_term(space, s, frame)) for s in segments]
-    return joined(
-        "|",
-        [
-            f"({wide.name}){term} << {s.raw_low}" if s.raw_low else f"({wide.name}){term}"
-            for s, term in zip(segments, terms, strict=True)
-        ],
-    )
 
 
 def _term(space: Space, s: Segment, frame: str) -> str:

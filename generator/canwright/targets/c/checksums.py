@@ -62,9 +62,7 @@ class ChecksumView:
         self.steps = [step for run in plan.runs for step in _steps(plan, self.crc, run)]
         self.has_loops = any(step.last for step in self.steps)
         self.result = _result(plan)
-        self.writes = list(bits.write_segments(field.space, segments, width, VARIABLE))
-        self.read = operand(bits.read_segments(field.space, segments, width))
-        """The field of a frame."""
+        self.writes = list(bits.write(field.space, segments, width, VARIABLE))
 
 
 def _steps(plan: ChecksumPlan, crc: CrcView | None, run: range | Sequence[FrameByte | int]) -> Iterator[ChecksumStep]:
@@ -77,7 +75,7 @@ def _steps(plan: ChecksumPlan, crc: CrcView | None, run: range | Sequence[FrameB
 
 
 def _byte(part: FrameByte | int) -> str:
-    return f"0x{part:02X}u" if isinstance(part, int) else bits.read_segments(part.space, part.segments, 8)
+    return f"0x{part:02X}u" if isinstance(part, int) else bits.read(part.space, part.segments, 8)
 
 
 def _next(plan: ChecksumPlan, crc: CrcView | None, byte: str) -> str:

@@ -16,7 +16,7 @@ from .examples import ExchangeView
 from .layouts import MemberView
 from .names import RESERVED, Names, layouts, member
 from .types import TypeView
-from .view import DirectionView, EditionView
+from .view import EditionView
 
 OWN_NAMES = (
     *("frame", "status", "parameters", "command", "field", "type", "layout", "any_request", "any_reply", "result"),
@@ -124,13 +124,6 @@ class MessageView:
         """The further replies, in sentences."""
 
 
-class AnyView(NamedTuple):
-    """Any message of one direction; `messages` are those that a frame can be."""
-
-    direction: DirectionView
-    messages: tuple[MessageView, ...]
-
-
 class CxxView:
     """The content of the header."""
 
@@ -171,11 +164,9 @@ class CxxView:
         ]
         self.messages = [MessageView(self, edition, m, view.message(m)) for m in messages]
         self.any = [
-            AnyView(d, tuple(m for m in self.messages if m.message.direction == d.word))
-            for d in view.directions
-            if d.decode
+            (d, [m for m in self.messages if m.message.direction == d.word]) for d in view.directions if d.decode
         ]
-        """Any message of each direction."""
+        """Each direction with the messages that a frame can be."""
 
     def _stem(self, type_: Type) -> str:
         return self.names.type_stem(type_)

@@ -25,8 +25,7 @@ class MatchView(NamedTuple):
 
     command: str
     node: str
-    other_constant: str
-    wrong_checksum: str
+    checks: Sequence[tuple[str, str]]
     code: str
     layout: LayoutView | None
     member: str
@@ -71,8 +70,7 @@ class RouteView:
         return MatchView(
             command or view.enumerator,
             view.node_in_data if self._has_nodes else "",
-            view.other_constant,
-            view.wrong_checksum,
+            view.checks,
             view.code_read if layout else "",
             layout,
             self._contents[layout][0].member if layout else "",

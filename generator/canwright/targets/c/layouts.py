@@ -11,7 +11,7 @@ from ...model.edition import Edition
 from ...model.exhaustive import assert_never
 from ...model.formatting import english
 from ...model.golden_frames import RawValue
-from ...model.layout import Field, Layout, Variant
+from ...model.layout import Field, Layout, Space, Variant
 from ...model.message import Message
 from ...model.types import Type
 from ...semantics.plan import (
@@ -101,7 +101,7 @@ class LayoutView:
     def __init__(self, names: Names, edition: Edition, layout: Layout, types: Types) -> None:
         messages = edition.of_layout(layout)
         plan = message_plan(messages[0])
-        shared = {byte for message in messages for byte in bits.key_bytes(message.keys)}
+        shared = {s.byte for m in messages for key in m.keys if key.space is Space.DATA for s in key.segments}
         facts = errata(edition, layout.path) if layout.shared else []
         stored = layout.given
         self.name = names.lower(layout.name)
@@ -253,7 +253,7 @@ def _reads(steps: Sequence[DecodingStep], variant: Variant) -> Iterator[FieldRea
                     value = bits.read_field(step.field, element.segments) if step.field in variant.fields else "0"
                     yield FieldRead(member=raw_of(step.field.type, number), value=value)
             case CheckChecksum() | ChooseFields() | CheckParameter():
-                pass  # `checksum`, `chooses` and `constants` of the layout
+                pass  # `checks` of the message, `chooses` and `constants` of the layout
             case _:
                 assert_never(step)
 

@@ -15,16 +15,25 @@ from operator import or_
 from typing import NamedTuple
 
 from ...model.edition import Edition
+from ...model.exhaustive import assert_never
 from ...model.formatting import english
 from ...model.layout import Layout, Space
 from ...model.message import Address, Direction, IdRule, Message
 from ...semantics.bits import placed
-from ...semantics.plan import CheckConstant, message_plan
+from ...semantics.plan import (
+    CheckChecksum,
+    CheckConstant,
+    CheckParameter,
+    ChooseFields,
+    DecodingStep,
+    ReadField,
+    message_plan,
+)
 from . import bits
 from .choices import ENUM_MAX, Whole, lacks
 from .expressions import call, joined, operand, working
 from .layouts import CodeChoice, LayoutView
-from .names import Names, Pattern, address_mask, member, named_patterns, pattern_of
+from .names import Names, address_mask, member, patterns
 from .text import MacroView, heading, with_deprecation
 
 EXTENDED, REMOTE = 1 << 31, 1 << 30
@@ -163,7 +172,12 @@ class PatternView:
         self.unused_bits_set = f"(frame->id & 0x{mask:X}u) != 0u" if mask else ""
         """The condition for bits of the id that only other messages of the address use; empty without any."""
         self.codes = [
-            CodeView(working(key.width).name, code, operand(bits.key_value(key)), list(bits.write_key(key, code)))
+            CodeView(
+                working(key.width).name,
+                code,
+                operand(bits.key_value(key)),
+                list(bits.write(key.space, key.segments, key.width, code)),
+            )
             for code, key in arguments
         ]
         self.code_arguments = [f"{code.kind} {code.name}" for code in self.codes]
@@ -177,7 +191,7 @@ class AddressView:
     def __init__(self, names: Names, address: Address, patterns: Sequence[PatternView]) -> None:
         nodes = address.request.nodes or address.reply.nodes
         ends = [("node_min", nodes[0], "Lowest"), ("node_max", nodes[-1], "Highest")] if nodes else []
-        self.path, self.heading, self.doc = address.path, heading(address), english(address.about)
+        self.heading, self.doc = heading(address), english(address.about)
         self.rules = list(dict.fromkeys(pattern.rule for pattern in patterns))
         self.patterns = patterns
         self.nodes = [MacroView(names.upper(address.name, e), f"{n}u", f"{word} node number.") for e, n, word in ends]
@@ -190,8 +204,6 @@ class MessageView:
         self, names: Names, edition: Edition, message: Message, pattern: PatternView, layout: LayoutView
     ) -> None:
         command, plan = edition.command(message.command), message_plan(message)
-        constants = [step for step in plan.decoding if isinstance(step, CheckConstant)]
-        always = [bits.constant_differs(check) for check in constants if not check.field.only]
         lacking = lacks(names, edition, command) if message.direction is Direction.REQUEST else []
         self.name, self.command, self.direction = names.lower(message.name), message.command, message.direction.value
         self.pattern, self.layout, self.dlc = pattern, layout, message.dlc
@@ -208,9 +220,8 @@ class MessageView:
         """The end of a comment on a deprecated message."""
         self.codes = list(_codes(message))
         """The values of its keys, then the same with each other accepted value of the first key."""
-        self.other_constant = joined("||", always) if always else ""
-        """The condition for a frame with another value in a constant field."""
-        self.wrong_checksum = f"{layout.name}_sum(frame) != {layout.checksum.read}" if layout.checksum else ""
+        self.checks = tuple(_checks(plan.decoding, layout))
+        """The conditions under which a frame is rejected whatever the parameters are, each with the status."""
         self.node_in_data = bits.key_value(message.node_in_data) if message.node_in_data else ""
         """The expression of the node in a field; empty unless a field identifies the node."""
         self.confused = bits.is_confused(message.confusions)
@@ -255,8 +266,7 @@ class MessageView:
     def is_match_only(self) -> bool:
         """True if there is nothing to read or check after the match."""
         layout = self.layout
-        has_checks = bool(self.other_constant or self.wrong_checksum)
-        return not (layout.members or layout.depends or has_checks or self.node_in_data or self.codes[1:])
+        return not (layout.members or layout.depends or self.checks or self.node_in_data or self.codes[1:])
 
 
 class Messages:
@@ -267,20 +277,17 @@ class Messages:
         self.numbers = command_numbers(edition)
         self.fd = "fd_" if edition.bus.frame_format.is_fd else ""
         """In the names of what contains frames of CAN FD."""
-        by_pattern: dict[Pattern, list[Message]] = {}
-        for message in edition.all_messages():
-            by_pattern.setdefault(pattern_of(message), []).append(message)
-        sides = dict.fromkeys((pattern.address, pattern.direction) for pattern in by_pattern)
+        sides = dict.fromkeys((message.address, message.direction) for message in edition.all_messages())
         rules = {side: RuleView(names, edition, edition.address(side[0]), side[1]) for side in sides}
-        patterns: dict[str, list[PatternView]] = {}
+        of_address: dict[str, list[PatternView]] = {}
         self._messages: dict[Message, MessageView] = {}
-        for pattern, parts in named_patterns(by_pattern).items():
-            messages, rule = by_pattern[pattern], rules[pattern.address, pattern.direction]
-            view = PatternView(names, edition, rule, messages[0], parts)
-            patterns.setdefault(pattern.address, []).append(view)
+        for parts, messages in patterns(edition).items():
+            first = messages[0]
+            view = PatternView(names, edition, rules[first.address, first.direction], first, parts)
+            of_address.setdefault(first.address, []).append(view)
             self._messages |= {m: MessageView(names, edition, m, view, layouts[m.layout]) for m in messages}
-        used = (address for address in edition.addresses if address.name in patterns)
-        self.addresses = [AddressView(names, address, patterns[address.name]) for address in used]
+        used = (address for address in edition.addresses if address.name in of_address)
+        self.addresses = [AddressView(names, address, of_address[address.name]) for address in used]
         """The addresses that messages use, each with the directions that they use."""
 
     def message(self, message: Message) -> MessageView:
@@ -312,6 +319,22 @@ def _step(step: int) -> tuple[str, str, str]:
 def frame_id(message: Message, frame: str = "frame") -> str:
     """The id of a frame without the flag of remote frames."""
     return f"({frame}->id ^ CANWRIGHT_REMOTE)" if message.remote else f"{frame}->id"
+
+
+def _checks(steps: Sequence[DecodingStep], layout: LayoutView) -> Iterator[tuple[str, str]]:
+    always: dict[str, list[str]] = {}
+    for step in steps:
+        match step:
+            case CheckConstant():
+                if not step.field.only:
+                    always.setdefault("WRONG_CONSTANT", []).append(bits.constant_differs(step))
+            case CheckChecksum():
+                always["WRONG_CHECKSUM"] = [f"{layout.name}_sum(frame) != {bits.constant_read(step.field)}"]
+            case ChooseFields() | CheckParameter() | ReadField():
+                pass  # the function that unpacks the layout
+            case _:
+                assert_never(step)
+    return ((joined("||", conditions), status) for status, conditions in always.items())
 
 
 def _codes(message: Message) -> Iterator[tuple[str, ...]]:

@@ -6,17 +6,15 @@ Every name with file scope is that of an item of the spec with an ending from th
 from __future__ import annotations
 
 import itertools
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import or_
-from typing import NamedTuple
 
 from ...diagnostics.diagnostic import DocumentPath
 from ...model import formatting
 from ...model.checksum import Arithmetic
 from ...model.edition import Edition
-from ...model.layout import Layout, Segment, Space
+from ...model.layout import Layout
 from ...model.message import Direction, Message
 from ...model.sending import microseconds
 from ...model.types import Parameter, Type
@@ -42,35 +40,21 @@ PARTS = ("", "_float", "_print")
 """The endings of the names of the headers of an edition."""
 
 
-class Pattern(NamedTuple):
-    """The common part of messages that differ only in length and codes."""
+def patterns(edition: Edition) -> Mapping[tuple[str, ...], Sequence[Message]]:
+    """The messages that differ only in length and codes, by the parts of their common name.
 
-    address: str
-    direction: Direction
-    remote: bool
-    id_mask: int
-    places: tuple[tuple[Space, int, tuple[Segment, ...]], ...]
-
-
-def pattern_of(message: Message) -> Pattern:
-    return Pattern(
-        message.address,
-        message.direction,
-        message.remote,
-        message.id_mask,
-        tuple((key.space, key.width, key.segments) for key in message.keys),
-    )
-
-
-def named_patterns(patterns: Iterable[Pattern]) -> dict[Pattern, tuple[str, ...]]:
-    """The parts of the name of each pattern: address and direction, and a number from the second one on."""
-    result: dict[Pattern, tuple[str, ...]] = {}
-    numbers: Counter[tuple[str, str]] = Counter()
-    for pattern in dict.fromkeys(patterns):
-        name = (pattern.address, pattern.direction.value)
-        numbers[name] += 1
-        result[pattern] = name if numbers[name] == 1 else (*name, str(numbers[name]))
-    return result
+    These are address and direction, and a number from the second pattern on.
+    """
+    alike: dict[tuple[object, ...], list[Message]] = {}
+    for m in edition.all_messages():
+        places = tuple((key.space, key.width, key.segments) for key in m.keys)
+        alike.setdefault((m.address, m.direction, m.remote, m.id_mask, places), []).append(m)
+    named: dict[tuple[str, ...], list[Message]] = {}
+    for messages in alike.values():
+        name = (messages[0].address, messages[0].direction.value)
+        names = itertools.chain([name], ((*name, str(number)) for number in itertools.count(2)))
+        named[next(free for free in names if free not in named)] = messages
+    return named
 
 
 def address_mask(edition: Edition, address: str, direction: Direction) -> int:
@@ -255,8 +239,9 @@ def defined(edition: Edition) -> Iterator[Named]:
         what = f"the address `{address.name}`"
         yield from ((names.upper(address.name) + e, what, address.path) for e in ADDRESS_MACROS)
         yield from ((names.lower(address.name) + e, what, address.path) for e in ADDRESS_ENDINGS)
-    for pattern, parts in named_patterns(map(pattern_of, edition.all_messages())).items():
-        what, path = f"the address `{pattern.address}`", edition.address(pattern.address).path
+    for parts, messages in patterns(edition).items():
+        address = edition.address(messages[0].address)
+        what, path = f"the address `{address.name}`", address.path
         yield from ((names.lower(*parts) + e, what, path) for e in PATTERN_ENDINGS)
     for type_ in edition.types:
         yield from ((name, f"the type `{type_.name}`", path) for name, path in _type(names, type_))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
@@ -24,8 +24,8 @@ from ...semantics.decoder import Decoder, Identified
 from ...semantics.frame import can_frame, code_of, node_of
 from ..base import EditionInput
 from .choices import parameter_literal
-from .expressions import braces, integer, raw_of
-from .layouts import FRAME_CODE, LayoutView, initializer, literals, numbers
+from .expressions import braces, integer
+from .layouts import initializer, literals
 from .text import WIDTH
 from .view import EditionView
 
@@ -36,16 +36,6 @@ UNIQUE, ENCODED, REQUEST, REPLY, MESSAGE, ASKED, ANSWER = 1, 2, 4, 5, 6, 7, 8
 Known = Mapping[str, int | str | Fraction]
 Raws = Mapping[str, RawValue]
 T = TypeVar("T")
-
-
-class LayoutTable:
-    """The raw integers of all cases that use a layout; `same` are the conditions for equal fields."""
-
-    def __init__(self, view: LayoutView, layout: Layout, entries: Iterable[str]) -> None:
-        raws = [raw_of(field.type, number) for field in layout.given for number in numbers(field)]
-        raws += [FRAME_CODE] if view.code else []
-        self.view, self.member, self.entries = view, _table(layout), entries
-        self.same = [f"one->{raw} == other->{raw}" for raw in raws]
 
 
 class Case(NamedTuple):
@@ -87,9 +77,10 @@ class SelfTest:
             self.cases.append(case._replace(comment=f"{number}: {case.comment}"))
             number += case.golden is not None
         self.layouts = [
-            LayoutTable(view.message(edition.of_layout(layout)[0]).layout, layout, entries)
+            (view.message(edition.of_layout(layout)[0]).layout, _table(layout), entries)
             for layout, entries in self._raws.items()
         ]
+        """Each layout of cases, with the name of the table of their raw integers, and its entries."""
         numbers = {layout: number for number, layout in enumerate(self._raws, 1)}
         self.messages = [(view.message(m), numbers.get(m.layout, 0), _table(m.layout)) for m in self._messages]
         """Each message with the number and the name of the table of its raw integers."""

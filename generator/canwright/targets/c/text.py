@@ -80,11 +80,6 @@ def _wrapped(text: str, width: int) -> list[str]:
     return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
 
 
-def aside(text: str) -> str:
-    """A Doxygen comment after its item, on the same line."""
-    return f"/**< {in_comment(text)} */"
-
-
 def paragraph(text: str) -> str:
     """A paragraph inside a comment."""
     return "\n".join(f" * {line}" for line in _wrapped(in_comment(text), WIDTH - 3))
@@ -108,7 +103,7 @@ def defines(macros: Sequence[MacroView]) -> str:
     names = max((len(m.name) for m in macros), default=0)
     values = max((len(m.value) for m in macros), default=0)
     plain = [f"#define {m.name:{names}} {m.value}" for m in macros]
-    with_comments = [f"#define {m.name:{names}} {m.value:{values}} {aside(m.doc)}" for m in macros]
+    with_comments = [f"#define {m.name:{names}} {m.value:{values}} /**< {in_comment(m.doc)} */" for m in macros]
     if all(len(line) <= WIDTH for line in with_comments):
         lines = [line if m.doc else bare for m, line, bare in zip(macros, with_comments, plain, strict=True)]
     else:

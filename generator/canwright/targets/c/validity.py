@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import struct
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import NamedTuple
@@ -11,6 +10,7 @@ from typing import NamedTuple
 from ...diagnostics.diagnostic import DocumentPath
 from ...model.edition import Edition
 from ...model.types import Bound, ByParameter, Encoding, Linear, Range, Type
+from ...semantics.floats import bits_of, float_of
 from ...semantics.valid_raws import FiniteFloats, FlagBits, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
 from ..base import NameProblem
 from .choices import Choice, choose, parameter_access
@@ -20,8 +20,7 @@ from .names import Names
 RATIO_LIMIT = 1 << 30
 """The limit of factors whose product with a ratio fits into 64 bits."""
 
-FORMATS = {32: (">f", ">I"), 64: (">d", ">Q")}
-GREATEST = {32: float.fromhex("0x1.fffffep+127"), 64: float.fromhex("0x1.fffffffffffffp+1023")}
+GREATEST = {32: Fraction(float.fromhex("0x1.fffffep+127")), 64: Fraction(float.fromhex("0x1.fffffffffffffp+1023"))}
 
 
 class Condition(NamedTuple):
@@ -204,23 +203,13 @@ def _order(width: int, bound: Fraction, up: bool) -> int:
     sign = 1 << (width - 1)
     if bound == 0:
         return sign - 1 if up else sign
-    order = _order_of(width, bound)
+    bits = bits_of(width, float(max(-GREATEST[width], min(GREATEST[width], bound))))
+    order = (2 * sign - 1) ^ bits if bits & sign else bits | sign
     while (_number(width, order) < bound) if up else (_number(width, order) > bound):
         order += 1 if up else -1
     return order
 
 
-def _order_of(width: int, bound: Fraction) -> int:
-    number, integer_ = FORMATS[width]
-    sign = 1 << (width - 1)
-    greatest = Fraction(GREATEST[width])
-    bits: int
-    (bits,) = struct.unpack(integer_, struct.pack(number, float(max(-greatest, min(greatest, bound)))))
-    return (2 * sign - 1) ^ bits if bits & sign else bits | sign
-
-
 def _number(width: int, order: int) -> Fraction:
-    number, integer_ = FORMATS[width]
     sign = 1 << (width - 1)
-    bits = order & ~sign if order & sign else (2 * sign - 1) ^ order
-    return Fraction(struct.unpack(number, struct.pack(integer_, bits))[0])
+    return Fraction(float_of(width, order & ~sign if order & sign else (2 * sign - 1) ^ order))

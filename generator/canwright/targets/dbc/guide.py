@@ -14,6 +14,7 @@ from ..base import EditionInput, header
 from ..examples import is_usual
 from .comments import ENGLISH, languages
 from .frames import Part, frames, obstacle, unlisted_nodes
+from .limits import LIMITS
 from .names import known_values, prefix
 from .text import number
 from .view import EXTENDED, KIND, File, Message, Signal
@@ -68,6 +69,7 @@ def guide(made: Sequence[Made]) -> Mapping[str, object]:
     return {
         "sections": list(map(_section, made)),
         "first": first,
+        "limits": LIMITS,
         "first_needs_program": any(map(_is_rejected, first.messages)) if first else False,
         "is_fd": any(file.frame_format.is_fd for product in made for file in product.files),
         "has_ranges": any(s.ranges for p in made for f in p.files for m in f.messages for s in m.signals),

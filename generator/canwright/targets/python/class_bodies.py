@@ -130,7 +130,7 @@ def positions(
             case CheckAvailable() | CheckCode() | CheckNode() | NeedParameter() | ChooseFields() | CheckField():
                 pass  # the constructor, and the types of its arguments
             case WriteCode() | WriteChecksum() | CheckMeaning():
-                pass  # of the whole message
+                pass  # of the whole message, in `encoding`
             case _:
                 assert_never(step)
     return sorted(listed, key=lambda item: message.layout.fields.index(item[0]))

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from ...model import formatting
+from ...model.exhaustive import assert_never
 from ...model.layout import Field
 from ...model.message import Message
 from ...model.types import Linear, Type
 from ...semantics.exchange import ExchangePlan
-from ...semantics.plan import message_plan
+from ...semantics.plan import CheckChecksum, CheckConstant, CheckParameter, ChooseFields, ReadField, message_plan
 from ...semantics.valid_raws import RawInterval, valid_raws
 from ..nested_source import Code, Table, Value
 from ..tables import EditionTables, checksum_table, run_table, segments
@@ -66,7 +67,7 @@ class LuaTables(EditionTables):
             **super().message(message),
             "only": {name: list(values) for name, values in message.only.items()} or None,
             "node": run_table(message.node_in_data),
-            "checksum": _checksum(message),
+            **_checks(message),
             "reserved": list(_reserved(message)),
             "sending": sending,
         }
@@ -118,14 +119,25 @@ def _runs(mask: int) -> Iterator[tuple[int, int]]:
             low += 1
 
 
-def _checksum(message: Message) -> Table | None:
+def _checks(message: Message) -> dict[str, Value]:
+    """What decoding needs besides the fields of the layout."""
+    checks: dict[str, Value] = {}
+    for step in message_plan(message).decoding:
+        match step:
+            case CheckChecksum():
+                checks["checksum"] = _checksum(step, message.layout.fields.index(step.field))
+            case CheckConstant() | CheckParameter() | ChooseFields() | ReadField():
+                pass  # the table of the layout
+            case _:
+                assert_never(step)
+    return checks
+
+
+def _checksum(step: CheckChecksum, field: int) -> Table:
     """The checksum as `ChecksumPlan` has it, with the position of its field; each input is bits of the frame or a constant."""
-    step = message_plan(message).checksum
-    if step is None:
-        return None
     plan = step.checksum
     return {
-        "field": message.layout.fields.index(step.field),
+        "field": field,
         **checksum_table(plan),
         "inputs": [part if isinstance(part, int) else segments(part.segments, part.space) for part in plan.inputs],
     }

@@ -298,7 +298,7 @@ canwright.meaning = (() => {
     const parameters = settled(edition, message, known(edition, given));
     const [variant] = variants(edition, message, parameters);
     const assumed = assumptions(parameters, variant);
-    const present = message.fields.filter(({ fixed, parameter, isChecksum, only }) => fixed === null && parameter === null && !isChecksum && (only === null || only.includes(assumed[0][message.parameter])));
+    const present = message.fields.filter(({ isValue, only }) => isValue && (only === null || only.includes(assumed[0][message.parameter])));
     const raw = Object.fromEntries(present.map((field) => [field.name, start(field)]));
     return encodedUnder(edition, message, { node: message.nodes ? message.nodes[0] : undefined, raw }, assumed).frame;
   }

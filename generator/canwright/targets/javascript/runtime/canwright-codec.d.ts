@@ -156,13 +156,15 @@ export interface FieldDescription {
   readonly indices: readonly number[] | null;
   /** The values of the parameter of the message under which the field exists; null for all. */
   readonly only: readonly string[] | null;
-  /** The raw integer that a sender always writes; such a field is in no message. */
+  /** Whether messages have the field as a value. */
+  readonly isValue: boolean;
+  /** The raw integer that a sender always writes. */
   readonly fixed: number | bigint | null;
   /** Whether a receiver rejects any other raw integer. */
   readonly isConstant: boolean;
   /** The parameter that is the raw integer of such a field; null if `fixed` is. */
   readonly parameter: string | null;
-  /** Whether the sender computes the field from other bytes; such a field is in no message. */
+  /** Whether the sender computes the field from other bytes. */
   readonly isChecksum: boolean;
   /** First and last value of a counter, which the sender increments with each frame; null for another field. */
   readonly counter: readonly [number, number] | null;

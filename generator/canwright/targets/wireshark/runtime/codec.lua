@@ -116,7 +116,7 @@ local function link_layout(layout, types)
         elseif field.constant and field.fixed then
             layout.constants[#layout.constants + 1] = field
         end
-        if field.type.limited and not (field.only or field.constant or field.fixed or field.checksum) then
+        if field.type.limited and not (field.only or field.hidden) then
             layout.limited[#layout.limited + 1] = field
         end
     end
@@ -736,7 +736,7 @@ local function decoded_items(layout, choice)
     if not items then
         items = {}
         for _, field in ipairs(layout.fields) do
-            if not (field.fixed or field.parameter or field.checksum) and is_present(field, choice) then
+            if not field.hidden and is_present(field, choice) then
                 add_items(items, field)
             end
         end
