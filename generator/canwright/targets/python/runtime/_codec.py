@@ -1302,8 +1302,8 @@ class Message:
             parts.append(f"parameters={shown_parameters(self._parameters, self.DEPENDS)}")
         return f"{type(self).__name__}({', '.join(parts)})"
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Message) or type(self) is not type(other):
+    def __eq__(self, other: Any) -> bool:
+        if type(self) is not type(other):
             return NotImplemented
         if self._raws != other._raws or self._node != other._node or self._code != other._code:
             return False
