@@ -349,7 +349,7 @@ def ranges(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]
 
 
 def with_cases(alternatives: Iterable[tuple[str, str]]) -> list[str]:
-    """What `scale` and `ranges` return as texts, each with the parameter values that lead to it: `-2048..2048 (MF, MG)`."""
+    """What `scale` and `ranges` return as texts, each with the parameter values that lead to it: `-2048..2048 (small)`."""
     return [f"{what} ({values})" if values else what for values, what in alternatives]
 
 
