@@ -113,7 +113,7 @@ PARTS_OF_MESSAGES = ("_match", "_stamp", "_pack", "_unpack")
 """Parts of the functions that encode and decode. GCC merges fewer loads and passes more arguments if they are marked."""
 TAKES_NULL = ("canwright_factor",)
 """A product of up to three parameters; those that it lacks are NULL."""
-NO_MACROS = ("-DCANWRIGHT_CHECKED=", "-DCANWRIGHT_NONNULL=")
+NO_MACROS = ("-DCANWRIGHT_CHECKED=", "-DCANWRIGHT_NONNULL=", "-DCANWRIGHT_RESTRICT=")
 
 
 def source(folder: Path, text: str) -> Path:
@@ -207,6 +207,7 @@ def test_every_function_is_marked() -> None:
             assert ("CANWRIGHT_CHECKED" in marks) == ("status_t" in result or name == "canwright_share64"), name
             is_marked = "*" in arguments and not name.endswith(PARTS_OF_MESSAGES) and name not in TAKES_NULL
             assert ("CANWRIGHT_NONNULL" in marks) == is_marked, name
+            assert ("CANWRIGHT_RESTRICT" in arguments) == name.endswith("_encode"), name
             counts["checked"] += "CANWRIGHT_CHECKED" in marks
             counts["not null"] += "CANWRIGHT_NONNULL" in marks
     assert min(counts.values()) > 100

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
 import pytest
@@ -70,6 +69,6 @@ def test_verdicts_of_a_sample_of_each_kind_agree_with_generated_code(kind: str, 
 def test_a_wrong_verdict_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         "tests.verification.compare.compare",
-        lambda old, new: tuple(dataclasses.replace(c, verdicts={}, witnesses=()) for c in compare(old, new)),
+        lambda old, new: tuple(c._replace(verdicts={}, witnesses=()) for c in compare(old, new)),
     )
     assert _case("pump", "scale of current times 10", tmp_path).dangerous

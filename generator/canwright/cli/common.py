@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
 import sys
 from collections import Counter
@@ -173,7 +172,7 @@ def load(
         sys.exit(FINDINGS)
     except OSError as error:
         stop(str(error))
-    loaded = [dataclasses.replace(item, warnings=settings.applied(item.warnings)) for item in loaded]
+    loaded = [item._replace(warnings=settings.applied(item.warnings)) for item in loaded]
     findings = [finding for item in loaded for finding in item.warnings]
     if record and any(finding.severity is Severity.ERROR for finding in findings):
         show_findings(findings, printer)

@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from xml.etree import ElementTree
+from typing import NamedTuple
 
 from ..compare import Category, Change, Impact, Item, by_impact, compare
 from ..compare.positions import positions
@@ -45,8 +45,7 @@ class Policy:
         return not (self.configuration.ignores(change) or (self.without_doc and change.rule.category is Category.DOC))
 
 
-@dataclass(frozen=True)
-class Comparison:
+class Comparison(NamedTuple):
     """Two editions with their documents: the changes to show, accepted ones with their reasons, and those that fail."""
 
     old: Loaded
@@ -92,8 +91,7 @@ class Comparison:
         return positions(change, self.old.document, self.new.document)
 
 
-@dataclass(frozen=True)
-class Report:
+class Report(NamedTuple):
     """All comparisons of a run, and the specs added and removed since a git revision."""
 
     comparisons: tuple[Comparison, ...]
@@ -362,6 +360,8 @@ def github(report: Report) -> str:
 
 def junit(report: Report) -> str:
     """JUnit XML in ASCII: a suite for each comparison, a test for each change; those that fail `diff` are failures."""
+    from xml.etree import ElementTree  # other reports need none
+
     suites = ElementTree.Element("testsuites", name="canwright diff")
     for comparison in report.comparisons:
         counts = {"tests": str(max(1, len(comparison.changes))), "failures": str(len(comparison.failing))}

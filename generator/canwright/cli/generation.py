@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import click
 
@@ -27,8 +26,7 @@ _OPTION = "option_"
 """Start of the names that the options of targets have in click, so that they differ from all others."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Generation:
+class Generation(NamedTuple):
     """What a run generates, with the warnings of its specs."""
 
     specifications: Sequence[EditionInput]

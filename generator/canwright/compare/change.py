@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.message import Direction, Entry
@@ -87,8 +86,7 @@ def with_facts(
     return sentence.format_map({name: filled(fact, language, words, escape) for name, fact in facts.items()})
 
 
-@dataclass(frozen=True)
-class ChangeRule:
+class ChangeRule(NamedTuple):
     """An id for people to look up, and the sentence, with names of facts in braces, that describes a change."""
 
     id: str
@@ -104,8 +102,7 @@ class ChangeRule:
         return self.category in (Category.WIRE, Category.VALUE) and not self.without_witness
 
 
-@dataclass(frozen=True)
-class Item:
+class Item(NamedTuple):
     """What a change belongs to, as `command dim`."""
 
     kind: str
@@ -119,8 +116,7 @@ class Item:
         return f"{self.kind} {self.name}" if self.name else self.kind
 
 
-@dataclass(frozen=True)
-class Change:
+class Change(NamedTuple):
     """One change. `old` and `new` are its paths in the specs; `used_by` are the commands it affects.
 
     `verdicts` are the impacts on the sides that it affects. `cases` are the parameter values under which it applies, all

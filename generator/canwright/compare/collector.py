@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model import formatting
@@ -78,7 +77,7 @@ class Collector:
 
     def add(self, change: Change) -> None:
         """Adds a change, or the sides and commands that it affects, too."""
-        change = dataclasses.replace(change, old=self._original(change.old or ()))
+        change = change._replace(old=self._original(change.old or ()))
         facts = tuple((name, _frozen(fact)) for name, fact in change.facts.items())
         key = (change.rule.id, change.item, facts, change.old, change.new)
         known = self._changes.get(key, change)
@@ -88,7 +87,7 @@ class Collector:
             if side in known.verdicts or side in change.verdicts
         }
         used_by = tuple(dict.fromkeys((*known.used_by, *change.used_by)))
-        self._changes[key] = dataclasses.replace(change, verdicts=verdicts, used_by=used_by)
+        self._changes[key] = change._replace(verdicts=verdicts, used_by=used_by)
 
     def with_sharing(self, commands: Iterable[str]) -> tuple[str, ...]:
         """Some commands, and those whose replies are theirs."""
@@ -118,8 +117,7 @@ class Collector:
         return iter(self._changes.values())
 
 
-@dataclass(frozen=True)
-class Subject:
+class Subject(NamedTuple):
     """What is compared: its item, its path in each edition, and where it is used: by which sides, in which commands."""
 
     collector: Collector
@@ -134,15 +132,15 @@ class Subject:
 
     def within(self, old: DocumentPath, new: DocumentPath) -> Subject:
         """A part of it, or what it belongs to, at other paths."""
-        return dataclasses.replace(self, places=(old, new))
+        return self._replace(places=(old, new))
 
     def of(self, item: Item, old: Located, new: Located) -> Subject:
         """Another item that is used in the same places."""
-        return dataclasses.replace(self, item=item, places=(old.path, new.path))
+        return self._replace(item=item, places=(old.path, new.path))
 
     def used(self, *sides: Side) -> Subject:
         """As this, where these sides use it."""
-        return dataclasses.replace(self, sides=sides)
+        return self._replace(sides=sides)
 
     def add(
         self,
@@ -219,7 +217,7 @@ class Subject:
     @property
     def _unused(self) -> Subject:
         """As this, for texts, which affect no command."""
-        return dataclasses.replace(self, sides=(), commands=())
+        return self._replace(sides=(), commands=())
 
 
 def paths(old: Located, new: Located) -> Places:

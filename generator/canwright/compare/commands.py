@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..model.edition import Edition
@@ -24,8 +24,7 @@ def compare(collector: Collector, old: Edition, new: Edition, matched: Matched[C
     pairs = [(a.name, b.name) for a, b in layouts if a.shared and b.shared]
     types = [(a.name, b.name) for a, b in fields.type_pairs(layouts)]
     kept = _tables(collector, old, new)
-    matched = replace(
-        matched,
+    matched = Matched(
         pairs=tuple((a, b) for a, b in matched.pairs if a.spec_name not in kept and b.spec_name not in kept),
         removed=tuple(c for c in matched.removed if c.spec_name not in kept),
         added=tuple(c for c in matched.added if c.spec_name not in kept),
@@ -269,8 +268,7 @@ _EXCEPTIONS = Attribute[Command](
 )
 
 
-@dataclass(frozen=True)
-class _Conditions:
+class _Conditions(NamedTuple):
     """Which nodes have a command or an entry, and its effects."""
 
     only: Mapping[str, tuple[str, ...]]
@@ -440,7 +438,7 @@ def _message(
     if discriminators.same_kind(*commands) and codes != [c.code for c in commands]:
         rows.insert(0, _REPLY_CODE)
     if [old.dlc, new.dlc] == [edition.bus.dlc for edition in (both.old, both.new)]:
-        bus = replace(command, item=Item("bus", ""), places=(("bus",), ("bus",)))
+        bus = command._replace(item=Item("bus", ""), places=(("bus",), ("bus",)))
         bus.attributes([_DLC], old, new, direction=Keyword("usual frame"))
     else:
         rows.append(_DLC)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 from ..model import formatting
 from ..model.edition import Edition
@@ -122,10 +121,10 @@ def _like_requests(old: Command, new: Command) -> bool:
 
 def _code_moved(command: Subject, both: Editions, old: Message, new: Message, key: str) -> None:
     if _one_selector(both.old) and _one_selector(both.new):
-        selector = replace(command, item=Item("edition", ""), places=(("selector",), ("selector",)))
+        selector = command._replace(item=Item("edition", ""), places=(("selector",), ("selector",)))
     else:
         places = ("addresses", old.address, key), ("addresses", new.address, key)
-        selector = replace(command, item=Item("address", old.address), places=places)
+        selector = command._replace(item=Item("address", old.address), places=places)
     _moved(selector, both, old, new, KeyRole.CODE, "code-moved")
 
 
@@ -142,7 +141,7 @@ def _follow_edition(both: Editions, old: Message, new: Message, role: KeyRole) -
 
 def _index_moved(command: Subject, both: Editions, tables: tuple[str, str], old: Message, new: Message) -> None:
     places = ("tables", tables[0], "index"), ("tables", tables[1], "index")
-    index = replace(command, item=Item("table", tables[0]), places=places)
+    index = command._replace(item=Item("table", tables[0]), places=places)
     _moved(index, both, old, new, KeyRole.INDEX, "index-moved")
 
 
@@ -154,5 +153,5 @@ def _moved(subject: Subject, both: Editions, old: Message, new: Message, role: K
         subject.add(rule, old=before, new=after)
     for old_key, new_key in _pairs(old, new, role):
         if old_key.segments != new_key.segments and (follows or _place(old_key) == _place(new_key)):
-            owner = replace(subject, item=Item("edition", ""), places=((), ())) if follows else subject
+            owner = subject._replace(item=Item("edition", ""), places=((), ())) if follows else subject
             owner.attributes([_ORDER], old_key, new_key, name="byte_order" if follows else role.value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from ..diagnostics.diagnostic import DocumentPath
 from ..language.notation import At, frame_bits
@@ -30,8 +30,7 @@ from .collector import Attribute, Subject
 from .forms import constants
 
 
-@dataclass(frozen=True)
-class Editions:
+class Editions(NamedTuple):
     """Both editions, and which types, layouts and commands of the old one have another name in the new one."""
 
     old: Edition
@@ -192,7 +191,7 @@ def _type(field: Subject, both: Editions, old: Field, new: Field) -> None:
     named = [t.path[0] == "types" for t in (old_type, new_type)]
     same = all(named) and both.types.get(old_type.name, old_type.name) == new_type.name
     if min(old_type.width, new_type.width) > 8 and _follows_edition(both, old_type, new_type):
-        edition = replace(field, item=Item("edition", ""), places=((), ()))
+        edition = field._replace(item=Item("edition", ""), places=((), ()))
         edition.attributes([_ORDER], old_type, new_type, name="byte_order")
     if same:
         type_ = field.of(Item("type", old_type.name), old_type, new_type)
@@ -209,7 +208,7 @@ def _type(field: Subject, both: Editions, old: Field, new: Field) -> None:
 def _other_type(field: Subject, both: Editions, old: Field, new: Field) -> None:
     """Adds one change for a field that has another type, with all that differs."""
     inner = field.collector.empty_copy()
-    _meaning(replace(field, collector=inner), both, new.name, old.type, new.type)
+    _meaning(field._replace(collector=inner), both, new.name, old.type, new.type)
     changes = list(inner)
     for change in changes:
         if change.rule.category is Category.DOC:

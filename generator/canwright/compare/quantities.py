@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 from ..model import formatting
 from ..model.types import Assignment, Bound, ByParameter, Linear, Member, NoValue, Range, Type
@@ -27,8 +27,7 @@ class Case(Generic[T]):
     new: T | None
 
 
-@dataclass(frozen=True)
-class Pair:
+class Pair(NamedTuple):
     """A type of the old edition and its counterpart in the new one, and the name that people know it by."""
 
     subject: Subject

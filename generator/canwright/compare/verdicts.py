@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -100,7 +99,7 @@ def _with(change: Change, witnesses: Iterable[Witness]) -> Change:
     leading = {(w.side, w.impact): w for w in reversed(ordered)}.values()
     first = sorted(leading, key=ordered.index)
     rest = [w for w in ordered if not any(w is shown for shown in first)]
-    return dataclasses.replace(change, verdicts=verdicts, witnesses=(*first, *rest)[:MAX_WITNESSES])
+    return change._replace(verdicts=verdicts, witnesses=(*first, *rest)[:MAX_WITNESSES])
 
 
 def _effective(change: Change, witnesses: Sequence[Witness]) -> Sequence[Witness]:

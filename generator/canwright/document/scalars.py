@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from decimal import Decimal
 from typing import Any
@@ -20,6 +21,7 @@ _INTEGER = re.compile(r"-?(?:0|[1-9][0-9]{0,30})|0x[0-9A-Fa-f]{1,16}")
 _DECIMAL = re.compile(rf"-?(?:0|[1-9][0-9]{{0,30}})\.[0-9]{{1,{ambiguous.MAX_DECIMALS}}}")
 
 
+@functools.lru_cache(maxsize=1 << 12)
 def plain(text: str) -> Scalar | None:
     """The value of a plain scalar; None for an empty or ambiguous one."""
     if _INTEGER.fullmatch(text):

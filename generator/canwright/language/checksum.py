@@ -11,7 +11,7 @@ from .scalar_types import Byte, ChecksumInput
 _WORDS = ("refin", "refout", "reflect_in", "reflect_out", "ref_in", "ref_out")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ChecksumSpec(Concept):
     """The checksum of other bytes of the frame: a named algorithm, or a CRC by its parameters. Its width is that of the field."""
 

@@ -115,8 +115,7 @@ class Concept:
         return ()
 
 
-@dataclass(frozen=True)
-class DeclaredKey:
+class DeclaredKey(NamedTuple):
     """A key and its annotation."""
 
     name: str

@@ -59,7 +59,7 @@ from .types import (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class AddressSpec(Description):
     """A rule from node to CAN id, and back."""
 
@@ -108,7 +108,7 @@ class AddressSpec(Description):
             yield Problem((), "missing-key", text, "write, for example, nodes: 1..32")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ModeSpec(Description):
     """A mode of the bus; commands of different modes exclude each other."""
 
@@ -119,7 +119,7 @@ class ModeSpec(Description):
     default_kbps: Annotated[int | None, Doc("The bit rate of a new node, in kbit/s.")] = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class NeighbourSpec(Description):
     """Ids of this bus that are not of this protocol, such as those of similar products."""
 
@@ -135,7 +135,7 @@ class NeighbourSpec(Description):
     ]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class BusSpec(Concept):
     """The settings that host and nodes have in common."""
 
@@ -175,7 +175,7 @@ class BusSpec(Concept):
     manual: Annotated[Section | None, Doc("Section of the manual.")] = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class NumberRange(Concept):
     """The limits of a number parameter."""
 
@@ -189,7 +189,7 @@ class NumberRange(Concept):
 Choice = Annotated[int | ValueName, Defines("value", of="parameter")]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ParameterSpec(Description):
     """A property of a node that is not in any frame: a choice among values, or a number."""
 
@@ -215,7 +215,7 @@ class ParameterSpec(Description):
             yield Problem((), "parameter-kind", text, hint)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SettingSpec(Description):
     """A limit that is set on the node, but not with this protocol."""
 
@@ -224,7 +224,7 @@ class SettingSpec(Description):
     only: Only = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class EffectSpec(Description):
     """A side effect of a command."""
 
@@ -256,7 +256,7 @@ class EffectSpec(Description):
     ] = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class StateSpec(Description):
     """A state of a node, on which depends what commands do."""
 
@@ -271,7 +271,7 @@ class StateSpec(Description):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ErratumSpec(Concept):
     """An error or omission of the manual, and the correction in this spec."""
 
@@ -290,7 +290,7 @@ class ErratumSpec(Concept):
     why: Annotated[EditionText, Doc("The reason for the difference.")]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class EditionSpec(Description):
     """One exact protocol, identified by a label and a date."""
 

@@ -290,7 +290,7 @@ class MapForm(Form):
         owns = getattr(self.name, "role", None) is not None
         for name, value in data.items():
             here = location.at(name)
-            decoded_name = self.name.decode(report, name, here._replace(key=location.key, is_key=True))
+            decoded_name = self.name.decode(report, name, Location(here.path, location.key, True, here.owner))
             decoded[decoded_name] = self.value.decode(report, value, here._replace(owner=name) if owns else here)
         return decoded
 

@@ -39,7 +39,7 @@ RawValue = list[int] | int
 ParameterValue = Annotated[int | str, Notation(_parameter_value, "a number or a name here", _SCALAR, any_scalar=True)]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SourcedSpec(Concept):
     """The source of an entry, and what is known about the node."""
 
@@ -59,7 +59,7 @@ class SourcedSpec(Concept):
     ] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class GoldenFrameSpec(SourcedSpec):
     """A request or reply of a command, and its meaning.
 
@@ -89,7 +89,7 @@ class GoldenFrameSpec(SourcedSpec):
     decode_only: Annotated[bool, Doc("True if an encoder writes other bytes, for example 0 in reserved bits.")] = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RefusedFrameSpec(SourcedSpec):
     """A frame that every target must reject, and the reason."""
 
@@ -101,7 +101,7 @@ class RefusedFrameSpec(SourcedSpec):
     says: Annotated[Refusal, Doc("The reason for the rejection.")]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RefusedValuesSpec(SourcedSpec):
     """Values that every target must reject, and the reason."""
 
@@ -116,7 +116,7 @@ class RefusedValuesSpec(SourcedSpec):
     field: Annotated[Name | None, Doc("The field that the rejection names.")] = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class CheckedFrameSpec(Concept):
     """One frame of an exchange."""
 
@@ -126,7 +126,7 @@ class CheckedFrameSpec(Concept):
     data: Annotated[Data, Doc("Data bytes in hex, byte 0 first.")]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ExchangeSpec(SourcedSpec):
     """A request and a later frame: its reply, or the reason that it is not one."""
 
@@ -145,7 +145,7 @@ def _refused_kind(value: Mapping[str, object]) -> int:
 Refused = Annotated[RefusedFrameSpec | RefusedValuesSpec, Choose(_refused_kind)]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class GoldenFramesSpec(Concept):
     """The golden frames of one edition."""
 

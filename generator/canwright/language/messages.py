@@ -41,7 +41,7 @@ NameInManual = Annotated[
 ]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class FieldSpec(Description):
     """A run of bits with a type."""
 
@@ -150,7 +150,7 @@ ENTRY = "entry"
 """The word for the layout of the table entry, instead of the name of a layout."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class LayoutSpec(Description):
     """Fields with their bits, shared by several messages. Bits without a field are reserved."""
 
@@ -190,7 +190,7 @@ PERIODS = ("period", "period_ms", "cycle_ms", "cycle_time", "cycle_time_ms", "in
 """Words of other formats for `every_ms`."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class MessageSpec(Concept):
     """A request or reply with more keys than its fields."""
 
@@ -274,7 +274,7 @@ Reply = Annotated[
 ]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Selector(Concept):
     """The bits that identify a command or a table entry."""
 
@@ -285,7 +285,7 @@ class Selector(Concept):
     byte_order: Annotated[Order | None, Doc("Overrides the edition's byte order.")] = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class EntrySpec(Description):
     """One entry of a table: an index and a layout."""
 
@@ -328,7 +328,7 @@ class EntrySpec(Description):
     manual: Annotated[Section | None, Doc("Section of the manual, if not that of the command.")] = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class TableSpec(Description):
     """Entries that several commands read and write by index: a second selector, and a layout for each value."""
 
@@ -348,7 +348,7 @@ class TableSpec(Description):
     manual: Annotated[Section | None, Doc("Section of the manual.")] = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class CommandSpec(Description):
     """A code with its request and its reply."""
 

@@ -6,7 +6,6 @@ Each parser returns exact values, or raises ValueError with a message for the au
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from typing import Literal, NamedTuple
@@ -104,8 +103,7 @@ def rational(text: str) -> Fraction:
     return number(above) / divisor
 
 
-@dataclass(frozen=True)
-class Multiple:
+class Multiple(NamedTuple):
     """An exact rational, or its product with number parameters, as in `model.types.factors`. `text` is the rational."""
 
     value: Fraction
@@ -288,8 +286,7 @@ def value(written: str | int | Decimal) -> Fraction | str:
     return number
 
 
-@dataclass(frozen=True)
-class IdExpression:
+class IdExpression(NamedTuple):
     """`0x100 + node`, `node << 5`, `300 + node * 10`, or a fixed id; `node_step` is None for an id without `node`.
 
     `parameter` is the parameter in the id; `parameter_step` is its factor.
@@ -343,8 +340,7 @@ def _id_step(term: str, name: str, written: str, shifted: bool) -> int:
     return step
 
 
-@dataclass(frozen=True)
-class At:
+class At(NamedTuple):
     """The start of a field. `bit` is None for a byte alone; the byte order then determines the bit."""
 
     space: Space
@@ -369,8 +365,7 @@ def at(text: str) -> At:
     return At(Space.DATA, int(byte), None if bit is None else int(bit))
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(NamedTuple):
     """Adjacent bits of the data, both ends included; `last` is None for one whole byte or one bit."""
 
     first: At

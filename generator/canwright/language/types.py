@@ -10,7 +10,7 @@ from .concept import Concept, Doc, JsonSchema, Limits, Problem, Ref
 from .scalar_types import EditionName, EditionText, Multiple, Name, ParameterName, Raw, RawIntegers, Span
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Description(Concept):
     """A title and a text."""
 
@@ -29,7 +29,7 @@ RenamedFrom = Annotated[
 ]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class DeprecatedSpec(Concept):
     """Since when an item is deprecated, and until when it remains. Texts can name the replacement."""
 
@@ -58,7 +58,7 @@ CaseMultiple = Literal["none"] | Multiple
 CaseSpan = Literal["none"] | Span
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ScaleBy(Concept):
     """A scale for each value of a choice parameter; `none` if the manual states none."""
 
@@ -68,7 +68,7 @@ class ScaleBy(Concept):
     by_value: dict[ParameterValueName, CaseMultiple]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class OffsetBy(Concept):
     """An offset for each value of a choice parameter; `none` if the manual states none."""
 
@@ -78,7 +78,7 @@ class OffsetBy(Concept):
     by_value: dict[ParameterValueName, CaseMultiple]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RangeBy(Concept):
     """A range for each value of a choice parameter; `none` if the manual states none."""
 
@@ -93,7 +93,7 @@ OffsetChoice = Multiple | OffsetBy
 SpanChoice = Span | RangeBy
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class NameSpec(Description):
     """A name for one raw value."""
 
@@ -102,7 +102,7 @@ class NameSpec(Description):
     deprecated: Deprecated = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class MemberSpec(NameSpec):
     """A name for one raw value of an enum."""
 
@@ -114,7 +114,7 @@ class MemberSpec(NameSpec):
 BitNumber = Annotated[int, Limits(ge=0, le=63)]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class FlagSpec(Description):
     """A name for one bit."""
 
@@ -123,7 +123,7 @@ class FlagSpec(Description):
     deprecated: Deprecated = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class NoValueSpec(Description):
     """A name for raw integers that are not a number."""
 
@@ -142,7 +142,7 @@ NO_VALUE_WORDS = ("not_available", "unavailable", "error", "invalid", "undefined
 """Words of manuals and of other formats for `no_value`."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class TypeSpec(Description):
     """A conversion of raw bits to a value."""
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import difflib
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from ..diagnostics.unicode_safety import visible
 from .lock import locked
@@ -33,8 +33,7 @@ PATIENCE = 5.0
 """Seconds to wait for another run in the same folder; a run writes in less time."""
 
 
-@dataclass(frozen=True)
-class Content:
+class Content(NamedTuple):
     """The output of a run: its editions, its targets, and every file by its path below the output folder.
 
     Each target has a folder of its name there; a target that is `alone` has the whole output folder.
@@ -57,8 +56,7 @@ class Content:
         return Manifest(editions=dict(sorted(editions.items())), files=dict(sorted(files.items())))
 
 
-@dataclass(frozen=True)
-class FileChanges:
+class FileChanges(NamedTuple):
     """The files of a folder that a run changes."""
 
     written: tuple[str, ...]

@@ -12,7 +12,6 @@ from typing import Annotated
 
 from ..compare import CHANGES, Category, Change, Impact
 from ..diagnostics.diagnostic import Diagnostic, Severity, nearest
-from ..document.toml import read_toml
 from ..language.concept import Concept, Doc, Limits, Notation
 from ..language.decoder import decode
 from ..rules import ALL_RULES
@@ -66,7 +65,7 @@ Kind = Annotated[str, Notation(kind_of_change, "a kind of change", _RULE)]
 Pattern = Annotated[str, Limits(min_length=1)]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class CheckConfiguration(Concept):
     """The warnings of `check` and `generate`."""
 
@@ -91,7 +90,7 @@ class CheckConfiguration(Concept):
                 yield finding
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class DiffConfiguration(Concept):
     """The changes that `diff` shows, and those that make it fail."""
 
@@ -126,7 +125,7 @@ class DiffConfiguration(Concept):
         return bool({category.value, impact.value, *breaking} & set(kinds))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Configuration(Concept):
     """The configuration of a project."""
 
@@ -150,5 +149,6 @@ def configuration_file() -> Path | None:
 
 def read_configuration(file: Path) -> Configuration:
     """The configuration in a file. Raises SpecError with all findings, and OSError."""
-    document = read_toml(file)
-    return decode(document, Configuration).value
+    from ..document.toml import read_toml  # most folders have no configuration
+
+    return decode(read_toml(file), Configuration).value

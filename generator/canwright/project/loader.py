@@ -5,9 +5,8 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..diagnostics.diagnostic import Diagnostic, SpecError
 from ..document.document import MAX_BYTES, Document, read_document
@@ -29,8 +28,7 @@ FRAMES_SUFFIX = ".frames.yaml"
 _NO_SPECS = tuple(file.name for file in (UNITS, SYNONYMS, QUESTIONS, QUICK_START, NO_ANSWER))
 
 
-@dataclass(frozen=True)
-class Loaded:
+class Loaded(NamedTuple):
     """A valid spec: the input of targets, the document, and warnings."""
 
     specification: EditionInput

@@ -2,19 +2,20 @@
 
 Frames of different nodes do not affect each other. Most requests of a node are followed by their reply, and no exchange is
 open after it. Whether a frame answers the one before depends on the classes of both, on their content, and on whether the
-second comes soon: `Directions` decides on one pair of each kind, and NumPy finds the others. `Directions` also decides on
-all other frames, one by one, until no exchange is open.
+second comes soon: `Directions` decides on one pair of each kind, which counts for the others. `Directions` also decides on
+all other frames, one by one, until no exchange is open. The last request of a node in a block is such a frame.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
+import operator
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
-from functools import cached_property
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -25,24 +26,20 @@ from ..model.message import Command, Direction, IdRule
 from ..semantics.frame import CanFrame
 from .bus_behaviour import LOOKED_AHEAD, Behaviour
 from .directions import DirectedFrame, Directions, PendingFrame, direction_by_content
-from .frame_classes import MAX_CLASSES, DirectionRule, frame_classes
+from .frame_classes import MAX_CLASSES, DirectionRule, FrameClass, frame_classes
 from .log_frame import LogFrame, Mark
 
 Array = NDArray[Any]
 
 REQUEST, REPLY, UNKNOWN = 0, 1, 2
 """The directions in arrays, as the target `columns` numbers them."""
-_BOTH, _NONE, _UNSET = 3, 4, 255
-"""What else the content of a frame allows: both directions, and none; or it was not seen before."""
-_NUMBERS = {Direction.REQUEST: REQUEST, Direction.REPLY: REPLY}
+_NUMBERS = {Direction.REQUEST: REQUEST, Direction.REPLY: REPLY, None: UNKNOWN}
 _MARKS = (Mark.SENT, Mark.RECEIVED, None)
 EXTENDED, REMOTE = 1, 2
 """The bits of `kind`."""
 
-_UNCERTAIN, _ENDS, _CLOSES = range(3)
-"""How many frames after a request no exchange is open: it ends before the next frame, or this closes it."""
-_ABSENT, _ANY = -2, -1
-"""Numbers in place of a node: the frame concerns none, or frames without a node."""
+_UNCERTAIN, _ENDS, _CLOSES = range(1, 4)
+"""What a frame shows of an open request: the request had ended before, or this frame closes it."""
 
 
 class FrameArrays(Protocol):
@@ -96,13 +93,21 @@ def infer_directions(blocks: Iterable[Block], edition: Edition, *, window: int |
         count += block.id.size
         if count >= LOOKED_AHEAD:
             break
-    log = _Log(edition, window, _behaviours(start, edition, window))
+    behaviours = _behaviours(start, edition, window)
+    buses: dict[str, _Bus] = {}
     held: deque[_Held] = deque()
     for block in itertools.chain(start, iterator):
-        held.append(log.add(block))
-        log.settle_late()
+        held.append(_Held(block, block.direction.copy(), []))
+        for rows in _groups(block.bus):
+            name = block.buses[block.bus[rows[0]]]
+            if name not in buses:
+                buses[name] = _Bus(edition, window, behaviours.get(name, Behaviour()))
+            buses[name].add(held[-1], rows)
+        for bus in buses.values():
+            bus.settle(is_end=False)
         yield from _released(held)
-    log.settle_all()
+    for bus in buses.values():
+        bus.settle(is_end=True)
     yield from _released(held)
 
 
@@ -143,114 +148,17 @@ def _set(direction: Array, row: int, judged: DirectedFrame | PendingFrame) -> bo
     directed = judged.directed if isinstance(judged, PendingFrame) else judged
     if directed is None:
         return False
-    direction[row] = UNKNOWN if directed.direction is None else _NUMBERS[directed.direction]
+    direction[row] = _NUMBERS[directed.direction]
     return True
 
 
-class _Numbers:
-    """Numbers for integers, from 0 in the order in which they are first seen."""
-
-    def __init__(self) -> None:
-        self.count = 0
-        self._values = np.empty(0, np.uint64)
-        self._numbers = np.empty(0, np.intp)
-
-    def of(self, values: Array) -> tuple[Array, Array]:
-        """The number of each value, and the positions of those that were not seen before, one each."""
-        new = np.empty(0, np.intp)
-        places, known = self._find(values)
-        if not known.all():
-            rows = np.flatnonzero(~known)
-            _, first = np.unique(values[rows], return_index=True)
-            new = rows[np.sort(first)]
-            joined = np.concatenate([self._values, values[new]])
-            numbers = np.concatenate([self._numbers, np.arange(self.count, self.count + new.size)])
-            order = np.argsort(joined)
-            self._values, self._numbers = joined[order], numbers[order]
-            self.count += new.size
-            places, _ = self._find(values)
-        return self._numbers[places], new
-
-    def _find(self, values: Array) -> tuple[Array, Array]:
-        if not self.count:
-            return np.zeros(values.size, np.intp), np.zeros(values.size, np.bool_)
-        places = np.searchsorted(self._values, values)
-        places[places == self.count] = 0
-        return places, self._values[places] == values
-
-
-class _Classes:
-    """The classes of frames of an edition on buses of some behaviours, by number."""
-
-    def __init__(self, edition: Edition, window: int | None, *, is_separate: bool) -> None:
-        self._edition = edition
-        self._window = window
-        self._is_separate = is_separate
-        self._behaviours: dict[Behaviour, int] = {}
-        self._ids, self._values, self._numbers = _Numbers(), _Numbers(), _Numbers()
-        self._has_nodes: list[bool] = []
-        self._key_bits: list[int] = []
-        self._profiles: dict[object, int] = {}
-        self._profile: list[int] = []
-        """Classes with one profile have the same content."""
-        self.rules: list[DirectionRule] = []
-        self.opens: list[Mapping[int, bool]] = []
-        """The nodes that each class concerns, and whether a request of it opens an exchange there."""
-        self.is_certain: list[bool] = []
-        """Whether no data decide which frames answer a request, and frames are not recorded twice."""
-
-    @property
-    def is_full(self) -> bool:
-        """Whether there are too many classes to remember, as in a log with random frames."""
-        return max(self._ids.count, self._values.count, self._numbers.count) > MAX_CLASSES
-
-    def numbers(self, frames: FrameArrays, behaviours: Sequence[Behaviour]) -> tuple[Array, Array]:
-        """The positions of the frames whose id is one of the edition's, and their classes; behaviours are those of the buses."""
-        known = [self._behaviours.setdefault(behaviour, len(self._behaviours)) for behaviour in behaviours]
-        ids = frames.id.astype(np.uint64) | frames.kind.astype(np.uint64) << 32 | frames.length.astype(np.uint64) << 40
-        if len(self._behaviours) > 1:
-            ids |= np.array(known, np.uint64)[frames.bus] << 48
-        ids, new = self._ids.of(ids)
-        for row in new.tolist():
-            id_class = frame_classes(self._edition).id_class(_frame(frames, row))
-            self._has_nodes.append(bool(id_class.nodes))
-            self._key_bits.append(id_class.key_bits)
-        rows = np.flatnonzero(np.array(self._has_nodes, np.bool_)[ids])
-        ids = ids[rows]
-        data = _integers(frames, rows)
-        values, _ = self._values.of(data & np.array(self._key_bits, data.dtype)[ids])
-        numbers, new = self._numbers.of(ids.astype(np.uint64) << 32 | values.astype(np.uint64))
-        for row in rows[new].tolist():
-            self._add(_frame(frames, row), behaviours[frames.bus[row]])
-        return rows, numbers
-
-    def _add(self, frame: CanFrame, behaviour: Behaviour) -> None:
-        rule = DirectionRule(frame_classes(self._edition).of(frame), behaviour, self._window)
-        request = rule.request and (rule.request.message, rule.request.constants, rule.request.reserved)
-        profile = rule.only, request, tuple(reply.constants for reply in rule.frame_class.replies)
-        self._profile.append(self._profiles.setdefault(profile, len(self.rules)))
-        self.rules.append(rule)
-        self.opens.append(self._opened(rule))
-        self.is_certain.append(not behaviour.copied and rule.frame_class.is_certain)
-
-    def _opened(self, rule: DirectionRule) -> Mapping[int, bool]:
-        """The nodes to which a frame of a class is sent, with true, and those that can have sent it."""
-        answers, opens = (
-            {_ANY if channel.node is None or not self._is_separate else channel.node for channel in channels}
-            for channels in (rule.frame_class.answers, [opened.channel for opened in rule.frame_class.opens])
-        )
-        if len(answers) > 1:
-            answers.discard(_ANY)  # the channel of any node, to which no request is sent if the nodes are separate
-        return {node: node in opens for node in sorted(answers | opens)}
-
-    def contents(self, numbers: Array, data: Array) -> Array:
-        """The bits of `DirectionRule.content` for each frame."""
-        contents = np.empty(numbers.size, np.uint8)
-        profiles = np.array(self._profile, np.intp)[numbers]
-        for profile in np.flatnonzero(np.bincount(profiles)).tolist():
-            rows = np.flatnonzero(profiles == profile)
-            contents[rows] = self.rules[profile].content(data[rows])
-        return contents
+def _groups(*values: Array) -> Iterator[Array]:
+    """The positions of equal values, in their order; of several arrays, those where all are equal."""
+    order = np.arange(values[0].size)
+    for each in reversed(values):
+        order = order[np.argsort(each[order], kind="stable")]
+    is_other = functools.reduce(operator.or_, (np.diff(each[order]) != 0 for each in values))
+    return (places for places in np.split(order, np.flatnonzero(is_other) + 1) if places.size)
 
 
 def _frame(frames: FrameArrays, row: int) -> CanFrame:
@@ -269,237 +177,200 @@ def _integers(frames: FrameArrays, rows: Array) -> Array:
     return integers
 
 
-class _Entries(NamedTuple):
-    """The frames of each node one after the other; a frame that concerns several nodes has several entries."""
+@dataclass(eq=False, kw_only=True)
+class _Kind:
+    """Frames of a class with the same content and mark; their `direction` is that of a request until it `is_open` no more.
 
-    nodes: Array
-    """Numbers of nodes on buses."""
-    rows: Array
-    """Positions of the frames in the block."""
-    classes: Array
-    """Numbers of classes."""
-    kinds: Array
-    """Numbers of classes with their content and their mark."""
-    opens: Array
-    """Whether the frame opens an exchange with the node if it is a request."""
-    allowed: Array
-    """The directions that id, content and mark allow."""
-    clock: Array
+    `nodes` are those that a frame concerns, each with whether it opens an exchange there if it is a request. If it
+    `is_certain`, no data decide which frames answer it, and frames are not recorded twice. `verdicts` are what a later
+    frame shows, by its kind, and whether it comes soon, is equal and opens an exchange.
+    """
+
+    mark: Mark | None
+    direction: int
+    is_open: bool
+    """Whether both directions are possible."""
+    nodes: Sequence[tuple[_Node, bool]]
+    is_certain: bool
+    within: int
+    window: int
+    verdicts: dict[tuple[_Kind, bool, bool, bool], int] = field(default_factory=dict)
 
 
-class _Log:
-    """The state at the end of a block: the clocks of the buses, and the nodes with open exchanges."""
+class _Node:
+    """A node of a bus: the place of its open request in the block, and the rules for frames that are decided one by one.
 
-    def __init__(self, edition: Edition, window: int | None, behaviours: Mapping[str, Behaviour]) -> None:
+    These are in use if it `is_slow`; for them, the node is alone on its bus.
+    """
+
+    __slots__ = ("directions", "is_slow", "open")
+
+    def __init__(self, directions: Directions) -> None:
+        self.directions = directions
+        self.open: int | None = None
+        self.is_slow = False
+
+
+class _Bus:
+    """The state of a bus at the end of a block: its clock, and its nodes."""
+
+    def __init__(self, edition: Edition, window: int | None, behaviour: Behaviour) -> None:
         self._edition = edition
         self._window = window
-        self._behaviours = behaviours
+        self._behaviour = behaviour._replace(is_marked=True)
         self._sharing = _sharing(edition)
-        self._clocks: dict[str, tuple[int, int]] = {}
-        """The time of the last frame, and the clock, which never runs backwards."""
-        self._buses: dict[str, int] = {}
-        self._nodes = _Numbers()
-        self._names: list[tuple[str, str]] = []
-        """The name of each node on a bus, and of this bus."""
-        self._of_nodes: dict[str, Behaviour] = {}
-        """The behaviour of the bus of each node, by its name."""
-        self._editions: dict[tuple[str, int | None], Edition] = {}
-        self._open: dict[str, str] = {}
-        """The names of the nodes with open exchanges, and their buses."""
-        self._forget()
+        self._numbers: dict[FrameClass, int] = {}
+        self._rules: list[DirectionRule] = []
+        self._kinds: dict[int, _Kind] = {}
+        self._nodes: dict[int | None, _Node] = {}
+        self._time: int | None = None
+        self._clock = 0
 
-    def _forget(self) -> None:
-        """Forgets the classes of frames, and what follows from them."""
-        self._classes = _Classes(self._edition, self._window, is_separate=self._sharing is not _Sharing.NODES)
-        self._pairs = _Numbers()
-        self._allowed: Array = np.empty(0, np.uint8)
-        """The directions that each kind of frames allows."""
-        self._of_pairs: list[int] = []
-        """What each kind of frames shows after each kind of requests."""
-
-    @cached_property
-    def _directions(self) -> Directions:
-        """The rules for the frames of one node; for them, each node is on a bus of its own."""
-        return self._new_directions()
-
-    @cached_property
-    def _trial(self) -> Directions:
-        """The same rules, for pairs of frames."""
-        return self._new_directions()
-
-    def _new_directions(self) -> Directions:
-        default = self._edition if self._sharing is _Sharing.NODES else None
-        return Directions(self._editions, default, window=self._window, behaviours=self._of_nodes)
-
-    def add(self, block: FrameArrays) -> _Held:
-        """The directions in a block."""
-        held = _Held(block, block.direction.copy(), [])
-        if not block.id.size:
-            return held
-        if self._classes.is_full:
-            self._forget()
-        clock = self._advanced(block)
-        rows, classes = self._classes.numbers(block, [self._behaviour(bus) for bus in block.buses])
-        kinds = self._kinds_of(block, rows, classes)
-        allowed = self._allowed[kinds]
-        held.direction[rows] = np.minimum(allowed, UNKNOWN)
+    def add(self, held: _Held, rows: Array) -> None:
+        """Decides on the frames of the bus in a block."""
+        time, data = held.block.time[rows], _integers(held.block, rows)
+        start = time[0] if self._time is None else self._time
+        clock = self._clock + np.cumsum(np.maximum(np.diff(time, prepend=start), 0))
+        self._time, self._clock = int(time[-1]), int(clock[-1])
+        codes = self._codes(held.block, rows, data)
+        known, of_rows = np.unique(codes, return_inverse=True)
+        kinds = [None if code < 0 else self._kinds.get(code) or self._kind(code) for code in known.tolist()]
+        own = codes >= 0
+        directions = np.array([kind.direction if kind else UNKNOWN for kind in kinds], np.uint8)
+        held.direction[rows[own]] = directions[of_rows[own]]
         if self._sharing is not _Sharing.NOTHING:
-            self._pair(held, self._entries(block, clock, rows, classes, kinds, allowed))
-        return held
+            listed = [kinds[number] for number in of_rows.tolist()]
+            self._pair(_Frames(held, rows.tolist(), listed, clock.tolist(), data.tolist()))
 
-    def _kinds_of(self, block: FrameArrays, rows: Array, classes: Array) -> Array:
-        """The numbers of classes with their content and their mark."""
-        contents = self._classes.contents(classes, _integers(block, rows)).astype(np.intp)
-        kinds: Array = classes << 5 | contents << 2 | block.direction[rows]
-        more = len(self._classes.rules) * 32 - self._allowed.size
-        self._allowed = np.concatenate([self._allowed, np.full(more, _UNSET, np.uint8)])
-        for kind in np.unique(kinds[self._allowed[kinds] == _UNSET]).tolist():
-            self._allowed[kind] = self._directions_of(kind)
-        return kinds
+    def settle(self, *, is_end: bool) -> None:
+        """Decides on the waiting frames for which it is too late, or at the end of the log on all."""
+        for node in self._nodes.values():
+            if node.is_slow:
+                node.directions.decide_pending("", None if is_end else self._clock)
 
-    def _directions_of(self, kind: int) -> int:
-        """The directions that the class, the content and the mark of frames allow."""
-        if kind & 3 != UNKNOWN:
-            return kind & 3
-        decided = direction_by_content(self._classes.rules[kind >> 5], kind >> 2 & 7)
-        return _BOTH if decided is None else _NONE if decided[0] is None else _NUMBERS[decided[0]]
+    def _codes(self, block: FrameArrays, rows: Array, data: Array) -> Array:
+        """Numbers of classes with their content and mark; negative if no message has the id."""
+        classes = frame_classes(self._edition)
+        if len(self._kinds) > MAX_CLASSES:
+            for remembered in (self._numbers, self._rules, self._kinds):
+                remembered.clear()
+        ids = block.id[rows].astype(np.uint64) | block.kind[rows].astype(np.uint64) << 32
+        ids |= block.length[rows].astype(np.uint64) << 40
+        keys = np.zeros_like(data)
+        for places in _groups(ids):
+            keys[places] = data[places] & classes.id_class(_frame(block, rows[places[0]])).key_bits
+        codes: Array = block.direction[rows].astype(np.intp)
+        for places in _groups(ids, keys):
+            frame = _frame(block, rows[places[0]])
+            if not classes.id_class(frame).nodes:
+                codes[places] = -1
+                continue
+            frame_class = classes.of(frame)
+            number = self._numbers.setdefault(frame_class, len(self._rules))
+            if number == len(self._rules):
+                self._rules.append(DirectionRule(frame_class, self._behaviour, self._window))
+            codes[places] |= number << 5 | self._rules[number].content(data[places]) << 2
+        return codes
 
-    def _behaviour(self, bus: str) -> Behaviour:
-        return self._behaviours.get(bus, Behaviour())._replace(is_marked=True)
-
-    def settle_late(self) -> None:
-        """Decides on the waiting frames for which it is too late at the end of the last block."""
-        for name, bus in self._open.items():
-            self._directions.decide_pending(name, self._clocks[bus][1])
-
-    def settle_all(self) -> None:
-        """Decides on all waiting frames."""
-        for name in self._open:
-            self._directions.decide_pending(name)
-
-    def _advanced(self, block: FrameArrays) -> Array:
-        """The clock of the bus at each frame."""
-        clocks = np.empty(block.id.size, np.int64)
-        for number in np.flatnonzero(np.bincount(block.bus)).tolist():
-            rows = np.flatnonzero(block.bus == number)
-            time = block.time[rows]
-            last, clock = self._clocks.get(block.buses[number], (time[0], 0))
-            clocks[rows] = clock + np.cumsum(np.maximum(np.diff(time, prepend=last), 0))
-            self._clocks[block.buses[number]] = int(time[-1]), int(clocks[rows[-1]])
-        return clocks
-
-    def _pair(self, held: _Held, entries: _Entries) -> None:
-        """Decides on the frames that can be requests or replies."""
-        steps = self._steps(held.block, entries).tobytes()
-        is_reply = bytearray(len(steps))
-        ends = np.flatnonzero(np.diff(entries.nodes, append=-1)) + 1
-        decided: list[tuple[int, DirectedFrame | PendingFrame]] = []
-        place = 0
-        for end in ends.tolist():
-            name, _ = self._names[entries.nodes[place]]
-            if name in self._open:
-                place = self._decide(held.block, entries, place, end, decided)
-            while place < end:
-                step = steps[place]
-                if step == _CLOSES:
-                    is_reply[place + 1] = 1
-                elif step == _UNCERTAIN:
-                    place = self._decide(held.block, entries, place, end, decided)
-                place += step
-        both = entries.allowed == _BOTH
-        held.direction[entries.rows[both]] = np.where(np.frombuffer(is_reply, np.bool_)[both], REPLY, REQUEST)
-        held.waiting = [(row, result) for row, result in decided if not _set(held.direction, row, result)]
-
-    def _decide(
-        self,
-        block: FrameArrays,
-        entries: _Entries,
-        place: int,
-        end: int,
-        decided: list[tuple[int, DirectedFrame | PendingFrame]],
-    ) -> int:
-        """Decides on the frames of a node one by one until no exchange is open; returns the place of the next one."""
-        name, bus = self._names[entries.nodes[place]]
-        self._open[name] = bus
-        for at in range(place, end):
-            result = self._directions.accept(self._log_frame(block, entries, at))
-            if entries.allowed[at] == _BOTH:
-                decided.append((int(entries.rows[at]), result))
-            if isinstance(result, DirectedFrame) and result.ends_part:
-                del self._open[name]
-                return at + 1
-        return end
-
-    def _log_frame(self, block: FrameArrays, entries: _Entries, at: int) -> LogFrame:
-        """A frame as `Directions` reads it, on the bus of its node."""
-        row, (name, _) = int(entries.rows[at]), self._names[entries.nodes[at]]
-        return LogFrame(int(entries.clock[at]), name, _frame(block, row), _MARKS[int(block.direction[row])])
-
-    def _entries(
-        self, block: FrameArrays, clock: Array, rows: Array, classes: Array, kinds: Array, allowed: Array
-    ) -> _Entries:
-        first = [next(iter(opened.items()), (_ABSENT, False)) for opened in self._classes.opens]
-        nodes, opens = np.array(first, np.int64).reshape(-1, 2)[classes].T
-        places = [np.flatnonzero((allowed != _NONE) & (nodes != _ABSENT))]
-        columns = [(nodes[places[0]], opens[places[0]])]
-        for number, opened in enumerate(self._classes.opens):
-            if len(opened) > 1:
-                these = np.flatnonzero((classes == number) & (allowed != _NONE))
-                for node, is_open in [*opened.items()][1:]:
-                    places.append(these)
-                    columns.append((np.full(these.size, node), np.full(these.size, is_open)))
-        at = np.concatenate(places)
-        nodes, opens = (np.concatenate(column) for column in zip(*columns, strict=True))
-        own = rows[at]
-        buses = block.bus[own]
-        known = np.array([self._buses.setdefault(name, len(self._buses)) for name in block.buses], np.uint64)
-        numbers, new = self._nodes.of(known[buses] << 32 | (nodes - _ANY).astype(np.uint64))
-        for place in new.tolist():
-            self._add_node(block.buses[buses[place]], int(nodes[place]))
-        order = np.argsort(numbers * block.id.size + own)
-        at, own = at[order], own[order]
-        return _Entries(
-            numbers[order], own, classes[at], kinds[at], opens[order].astype(np.bool_), allowed[at], clock[own]
+    def _kind(self, code: int) -> _Kind:
+        """The frames of a class with a content and a mark."""
+        rule, mark = self._rules[code >> 5], code & 3
+        content = direction_by_content(rule, code >> 2 & 7)
+        direction = REQUEST if content is None else _NUMBERS[content[0]]
+        kind = self._kinds[code] = _Kind(
+            mark=_MARKS[mark],
+            direction=direction if mark == UNKNOWN else mark,
+            is_open=mark == UNKNOWN and content is None,
+            nodes=() if mark == UNKNOWN == direction else self._of_nodes(rule.frame_class),
+            is_certain=not self._behaviour.copied and rule.frame_class.is_certain,
+            within=rule.within,
+            window=rule.window,
         )
+        return kind
 
-    def _add_node(self, bus: str, number: int) -> None:
-        node = None if number == _ANY else number
-        name = f"{bus}/{node}"
-        self._names.append((name, bus))
-        self._of_nodes[name] = self._behaviour(bus)
-        self._editions[name, node] = self._edition
+    def _of_nodes(self, frame_class: FrameClass) -> Sequence[tuple[_Node, bool]]:
+        """The nodes to which a frame of a class is sent, with true, and those that can have sent it."""
+        is_separate = self._sharing is _Sharing.IDS
+        answers, opens = (
+            {channel.node if is_separate else None for channel in channels}
+            for channels in (frame_class.answers, [opened.channel for opened in frame_class.opens])
+        )
+        if len(answers) > 1:
+            answers.discard(None)  # the channel of any node, to which no request is sent if the nodes are separate
+        return [(self._node(node), node in opens) for node in answers | opens]
 
-    def _steps(self, block: FrameArrays, entries: _Entries) -> Array:
-        """How many frames later no exchange is open again if none is open before a frame; 0 if it is not certain.
+    def _node(self, node: int | None) -> _Node:
+        if node not in self._nodes:
+            default = None if self._sharing is _Sharing.IDS else self._edition
+            known, behaviours = {("", node): self._edition}, {"": self._behaviour}
+            self._nodes[node] = _Node(Directions(known, default, window=self._window, behaviours=behaviours))
+        return self._nodes[node]
 
-        Without an open exchange, a frame that can be both is a request.
-        """
-        is_certain = np.array(self._classes.is_certain, np.bool_)[entries.classes]
-        is_request = entries.opens & (entries.allowed != REPLY)
-        steps: Array = np.where(~is_request & is_certain, _ENDS, _UNCERTAIN).astype(np.uint8)
-        first = np.flatnonzero(is_request & is_certain)
-        first = first[first + 1 < entries.nodes.size]
-        first = first[entries.nodes[first] == entries.nodes[first + 1]]
-        gap = entries.clock[first + 1] - entries.clock[first]
-        times = np.array([(rule.within, rule.window) for rule in self._classes.rules], np.int64).reshape(-1, 2)
-        within, window = times[entries.classes[first]].T
-        steps[first[gap > window]] = _ENDS
-        first, is_soon = first[gap <= window], (gap <= within)[gap <= window]
-        second, data = first + 1, _integers(block, entries.rows)
-        bits = is_soon | (data[first] == data[second]) << 1 | entries.opens[second] << 2
-        keys = entries.kinds[first].astype(np.uint64) << 32 | (entries.kinds[second] << 3 | bits).astype(np.uint64)
-        pairs, new = self._pairs.of(keys)
-        self._of_pairs += [self._verdict(block, entries, at) for at in first[new].tolist()]
-        steps[first] = np.array(self._of_pairs, np.uint8)[pairs]
-        return steps
+    def _pair(self, frames: _Frames) -> None:
+        """Decides on the frames that can be requests or replies."""
+        _, rows, kinds, clock, data = frames
+        replies = []
+        for at, kind in enumerate(kinds):
+            for node, opens in kind.nodes if kind else ():
+                if node.is_slow:
+                    frames.decide(node, at)
+                    continue
+                verdict, before = _ENDS, node.open
+                if before is not None:
+                    node.open, first, gap = None, kinds[before], clock[at] - clock[before]
+                    assert kind and first
+                    if gap <= first.window:
+                        shown = kind, gap <= first.within, data[at] == data[before], opens
+                        verdict = first.verdicts.get(shown) or frames.verdict(node, before, at)
+                        first.verdicts[shown] = verdict
+                    if verdict == _CLOSES:
+                        replies.append(rows[at])
+                        continue
+                    if verdict == _UNCERTAIN:
+                        frames.decide(node, before)
+                        frames.decide(node, at)
+                        continue
+                assert kind
+                if not kind.is_certain:
+                    frames.decide(node, at)
+                elif opens and kind.direction != REPLY:
+                    node.open = at
+        frames.held.direction[replies] = REPLY
+        for node in self._nodes.values():
+            if node.open is not None:
+                frames.decide(node, node.open)
+                node.open = None
 
-    def _verdict(self, block: FrameArrays, entries: _Entries, at: int) -> int:
-        """What the frame after a request shows of it."""
-        _, second = (self._trial.accept(self._log_frame(block, entries, place)) for place in (at, at + 1))
-        open_ = {*self._trial.forget(self._names[entries.nodes[at]][0])}
-        if isinstance(second, PendingFrame) or not open_ <= {second.number}:
+
+class _Frames(NamedTuple):
+    """The frames of a bus in a block."""
+
+    held: _Held
+    rows: Sequence[int]
+    kinds: Sequence[_Kind | None]
+    clock: Sequence[int]
+    data: Sequence[int]
+
+    def decide(self, node: _Node, at: int) -> None:
+        """Decides on a frame by the rules of its node, which decide on the next ones until no exchange is open."""
+        kind = self.kinds[at]
+        result = node.directions.accept(self._frame(at))
+        if kind is not None and kind.is_open:
+            self.held.waiting.append((self.rows[at], result))
+        node.is_slow = not (isinstance(result, DirectedFrame) and result.ends_part)
+
+    def verdict(self, node: _Node, before: int, at: int) -> int:
+        """What a frame shows of the open request before it."""
+        _, second = [node.directions.accept(self._frame(place)) for place in (before, at)]
+        still_open = {*node.directions.forget("")}
+        if isinstance(second, PendingFrame) or not still_open <= {second.number}:
             return _UNCERTAIN
-        return _ENDS if open_ else _CLOSES
+        return _ENDS if still_open else _CLOSES
+
+    def _frame(self, at: int) -> LogFrame:
+        """A frame as `Directions` reads it, on the bus of its node."""
+        kind = self.kinds[at]
+        return LogFrame(self.clock[at], "", _frame(self.held.block, self.rows[at]), kind.mark if kind else None)
 
 
 class _Sharing(Enum):

@@ -5,19 +5,9 @@ from __future__ import annotations
 import re
 
 from ..targets.columns.runtime._candump import RecordedFrame, read_line
-from . import busmaster, csv_table, line_forms, savvycan, slcan
+from . import line_forms, slcan
 from .log_frame import LogError
 
-_STARTS = {
-    savvycan.START.lower(): "savvycan",
-    csv_table.START: "csv",
-    "time,addr,bus,data": "cabana",
-    busmaster.START.lower(): "busmaster",
-    **dict.fromkeys(("date ", "base ", "// version", "begin triggerblock"), "asc"),
-    **dict.fromkeys((";$", ";##"), "trc"),
-    ";index": "pcan_explorer",
-}
-"""What a text starts with, in lower case."""
 _AS_LINES = "write each frame as a line `(1700000000.000000) can0 141#9A00000000000000`"
 _FOREIGN = {
     re.compile(r"header:\s+stamp:|(?:.*\n){0,12}is_rtr:"): "`ros2 topic echo` prints this; record the bus with "
@@ -31,9 +21,9 @@ _FOREIGN = {
 def form_of(start: str) -> str:
     """The name of the format of a text that starts so. Raises LogError for a text that has to be converted."""
     lowered = start.lstrip().lower()
-    form = next((name for sign, name in _STARTS.items() if lowered.startswith(sign)), None)
-    if form is not None:
-        return form
+    for name, form in line_forms.FORMS.items():
+        if lowered.startswith(form.starts):
+            return name
     for pattern, conversion in _FOREIGN.items():
         if pattern.match(start):
             raise LogError(conversion)
@@ -44,6 +34,6 @@ def form_of(start: str) -> str:
         if slcan.FRAME.fullmatch(written):
             return "slcan"
         for name, listed in line_forms.FORMS.items():
-            if listed.frame.fullmatch(written):
+            if listed.header is None and any(pattern.fullmatch(written) for pattern in listed.frames):
                 return name
     return "candump"

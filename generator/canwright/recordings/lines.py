@@ -10,14 +10,9 @@ Read = Callable[[str], LogFrame | SkippedPart]
 """The frame on a line, or what the line is instead."""
 
 
-SECONDS = 9
-MILLISECONDS = 6
-"""The decimal digits of a unit of time in nanoseconds."""
-
-
 def decimal(written: str, digits: int) -> int:
     """A decimal number in units of its digit `digits` after the point; further ones are dropped."""
-    whole, _, fraction = written.partition(".")
+    whole, _, fraction = written.replace(",", ".").partition(".")
     return int(whole + fraction[:digits].ljust(digits, "0"))
 
 
@@ -40,17 +35,3 @@ def frames_of(
             counts.skip(SkippedPart.TRUNCATED, number, line)
         elif part is not SkippedPart.OTHER or not is_header:
             counts.skip(part, number, line)
-
-
-def octets(written: str, length: int, line: str, base: int = 16) -> bytes | None:
-    """The first bytes of a list of numbers; None if so many are missing, one is no byte, or the last one may be cut off."""
-    if length < 0:
-        return None
-    numbers = written.split(None, length)[:length]
-    if len(numbers) < length:
-        return None
-    is_cut = length > 0 and line.endswith(numbers[-1]) and (base != 16 or len(numbers[-1]) < 2)  # without "\n"
-    try:
-        return None if is_cut else bytes(int(number, base) for number in numbers)
-    except ValueError:
-        return None

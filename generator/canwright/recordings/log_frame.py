@@ -41,10 +41,6 @@ class LogFrame(NamedTuple):
     mark: Mark | None
 
 
-MARKS = {"rx": Mark.RECEIVED, "tx": Mark.SENT}
-"""Marks as most formats write them, in lower case."""
-
-
 def nanoseconds(seconds: float) -> int:
     """A time of a float of seconds, which since the epoch is exact to less than a microsecond."""
     return round(seconds * 1e6) * 1_000

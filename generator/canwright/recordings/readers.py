@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
-from . import asc, busmaster, by_python_can, candump, csv_table, line_forms, pcap, savvycan, slcan, sqlite_table, trc
+from . import by_python_can, candump, line_forms, pcap, slcan, sqlite_table
 from .form_signs import form_of
 from .log_frame import OVERLONG, Counts, LogError as LogError, LogFrame, SkippedPart
 from .packages import MissingPackageError
@@ -52,13 +52,8 @@ _SEEKING = {b"MDF ": "MF4", b"UnFinMF ": "MF4", sqlite_table.MAGIC: "a database"
 """What is read at many places, so that it cannot be a stream."""
 _MARKED = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
 TEXTS = {
-    "asc": asc.read,
-    "busmaster": busmaster.read,
     "candump": candump.read,
-    "csv": csv_table.read,
-    "savvycan": savvycan.read,
     "slcan": slcan.read,
-    "trc": trc.read,
     **{name: line_forms.reader(form) for name, form in line_forms.FORMS.items()},
 }
 

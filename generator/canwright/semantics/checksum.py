@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 from ..model.checksum import Arithmetic, ConstantBytes, DataBytes, IdBytes
 from ..model.layout import ChecksumRole, Field, Segment, Space
@@ -12,8 +12,7 @@ from ..model.message import Message
 from ..model.types import Order
 
 
-@dataclass(frozen=True)
-class FrameByte:
+class FrameByte(NamedTuple):
     """Eight bits of a frame, each at its position in a byte; bits without a segment are 0. There is at least one."""
 
     space: Space
@@ -25,8 +24,7 @@ class FrameByte:
         return self.space is Space.DATA and sum(segment.width for segment in self.segments) == 8
 
 
-@dataclass(frozen=True, kw_only=True)
-class ChecksumPlan:
+class ChecksumPlan(NamedTuple):
     """A checksum as operations on a register of `width` bits, at least 8, whose value is `init` at first.
 
     Each of the `inputs` in turn, a byte of the frame or a constant, changes the register:
@@ -112,7 +110,7 @@ def checksum_plan(message: Message, field: Field, role: ChecksumRole) -> Checksu
     init = start.init
     for constant in role.leading:
         init = start.next(init, constant)
-    return replace(start, init=init, inputs=tuple(inputs[len(role.leading) :]))
+    return start._replace(init=init, inputs=tuple(inputs[len(role.leading) :]))
 
 
 def _data_byte(byte: int, own: Iterable[Segment]) -> FrameByte | int:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -41,8 +40,7 @@ class Identified(NamedTuple):
     node: int | None
 
 
-@dataclass(frozen=True)
-class Decoded:
+class Decoded(NamedTuple):
     """A message with its fields under some parameters; without constants; an array is a list.
 
     `code` is the one of several accepted codes that the frame has; None if there is one only.

@@ -17,8 +17,7 @@ from ..model.refusal import Refusal
 from ..model.types import NO_PARAMETERS, Assignment, Order
 
 
-@dataclass(frozen=True)
-class MaskedId:
+class MaskedId(NamedTuple):
     """The bits of the id under a mask, not shifted."""
 
     mask: int
@@ -32,15 +31,13 @@ class Length:
 Discriminator = BitRun | MaskedId | Length
 
 
-@dataclass(frozen=True)
-class Reject:
+class Reject(NamedTuple):
     """A leaf: no message; the frame is rejected."""
 
     reason: Refusal
 
 
-@dataclass(frozen=True)
-class Match:
+class Match(NamedTuple):
     """A leaf: the frame is this message; constants are checked afterwards."""
 
     message: Message
@@ -70,8 +67,7 @@ class Select:
 DispatchNode = Select | Match | Reject
 
 
-@dataclass(frozen=True)
-class Route:
+class Route(NamedTuple):
     """The messages of one id rule and kind of frame, and the decisions between them.
 
     `mask` are the bits of the id that their keys and fields fill; the id rule determines the others.
@@ -92,8 +88,7 @@ class Route:
         return node_of_id(self.rule, id_ & ~self.mask, assignment)
 
 
-@dataclass(frozen=True)
-class DispatchPlan:
+class DispatchPlan(NamedTuple):
     """The routes in the order in which they are tried; a frame without a route is rejected (unknown_id).
 
     If the id of a route for such frames contains a missing parameter, it is rejected for that reason (missing_parameter).

@@ -6,7 +6,7 @@ Every target decides in the same order and rejects for the same reasons.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 
@@ -14,7 +14,7 @@ from ..model import formatting
 from ..model.golden_frames import Value
 from ..model.joined import Joined, JoinedDigits
 from ..model.layout import Field, Space
-from ..model.message import Message
+from ..model.message import Confusion, Message
 from ..model.refusal import Refusal
 from ..model.types import Assignment, Bound, Encoding, Type, factors
 from .bits import placed
@@ -43,8 +43,8 @@ Number = int | float | Decimal | Fraction
 
 SPECIAL = ("nan", "inf", "-inf")
 
-_FrameStep = CheckField | WriteFixed | WriteCode | WriteParameter | WriteField | WriteChecksum
-_OF_MESSAGE = CheckAvailable, CheckCode, CheckNode, NeedParameter, ChooseFields, CheckMeaning
+_FrameStep = CheckField | WriteFixed | WriteCode | WriteParameter | WriteField | WriteChecksum | CheckMeaning
+_OF_MESSAGE = CheckAvailable, CheckCode, CheckNode, NeedParameter, ChooseFields
 """The steps that concern the message, not its fields and bits."""
 
 
@@ -140,13 +140,16 @@ class Encoder:
                 checksum = checksum_of(step.checksum, _frame(message, id_, data))
                 data |= placed(step.field.elements[0].segments, checksum)
                 continue
-            for space, bits in _written(step, raws, code):
-                if space is Space.ID:
-                    id_ |= bits
-                else:
-                    data |= bits
-        frame = _frame(message, id_, data)
-        return _confused(message, frame) or frame
+            if isinstance(step, CheckMeaning):
+                if is_confused(step.confusion, frame := _frame(message, id_, data)):
+                    return _confused(message, step.confusion, frame)
+                continue
+            space, bits = _written(step, raws, code)
+            if space is Space.ID:
+                id_ |= bits
+            else:
+                data |= bits
+        return _frame(message, id_, data)
 
     def _frame_steps(self, message: Message) -> Sequence[_FrameStep]:
         """The steps that check fields and write bits, of the fields that a message has under these parameters."""
@@ -334,21 +337,16 @@ def _exact(number: Number) -> Fraction | str:
     return Fraction(number) if math.isfinite(number) else str(float(number))
 
 
-def _confused(message: Message, frame: CanFrame) -> Rejection | None:
+def _confused(message: Message, confusion: Confusion, frame: CanFrame) -> Rejection:
     """The rejection of a frame that is identified as another message."""
-    for step in message_plan(message).encoding:
-        if isinstance(step, CheckMeaning) and is_confused(step.confusion, frame):
-            data = " ".join(f"{byte:02X}" for byte in frame.data)
-            text = (
-                f"{message.name} with these values is the {message.direction.value} of {step.confusion.command}: {data}"
-            )
-            return Rejection(Refusal.WRONG_MESSAGE, text)
-    return None
+    data = " ".join(f"{byte:02X}" for byte in frame.data)
+    text = f"{message.name} with these values is the {message.direction.value} of {confusion.command}: {data}"
+    return Rejection(Refusal.WRONG_MESSAGE, text)
 
 
 def _check_names(message: Message, fields: Mapping[str, Field] | None, given: Mapping[str, object]) -> None:
     """Raises ValueError unless exactly the fields of a message are given."""
-    if fields is None or set(fields) != set(given):
+    if fields is None or fields.keys() != given.keys():
         raise ValueError(f"{message.name} has the fields {', '.join(fields or ())}, not {', '.join(given)}")
 
 
@@ -360,17 +358,16 @@ def _frame(message: Message, id_: int, data: int) -> CanFrame:
 
 def _written(
     step: WriteCode | WriteFixed | WriteParameter | WriteField, raws: Mapping[Field, Raw], code: int | None
-) -> Iterator[tuple[Space, int]]:
+) -> tuple[Space, int]:
     """The bits that a step writes."""
     if isinstance(step, WriteCode):
-        yield step.key.space, placed(step.key.segments, step.key.value if code is None else code)
-        return
+        return step.key.space, placed(step.key.segments, step.key.value if code is None else code)
     if isinstance(step, WriteFixed):
-        yield step.space, placed(step.segments, step.raw)
-        return
-    raw = raws[step.field]
+        return step.space, placed(step.segments, step.raw)
+    raw, bits = raws[step.field], 0
     for element, number in zip(step.field.elements, raw if isinstance(raw, list) else [raw], strict=True):
-        yield step.field.space, placed(element.segments, number)
+        bits |= placed(element.segments, number)
+    return step.field.space, bits
 
 
 def _joined_raws(field: Field, joined: Joined, value: Value) -> list[int] | Rejection:

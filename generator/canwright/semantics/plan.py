@@ -156,6 +156,7 @@ class CheckMeaning:
     """Reject (wrong_message) if the frame that is written is identified as another message."""
 
     confusion: Confusion
+    field: None = None
 
 
 Check = CheckConstant | CheckChecksum | CheckParameter

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 from ..model.types import Assignment, Bound, ByParameter, Encoding, Range, Type, number_of
 
@@ -34,15 +35,13 @@ class NamedRaws:
         return tuple(merged(range(value, value + 1) for value in self.values))
 
 
-@dataclass(frozen=True)
-class FlagBits:
+class FlagBits(NamedTuple):
     """Integers with no other bit than those of `mask`."""
 
     mask: int
 
 
-@dataclass(frozen=True)
-class RawInterval:
+class RawInterval(NamedTuple):
     """The integers from `low` to `high`, both whole and within the width of the type.
 
     `low_bound` and `high_bound` are further ends that depend on a number parameter; None without one. An end is not
@@ -57,8 +56,7 @@ class RawInterval:
     """Further valid integers, which have no value: an encoder of values writes them by name."""
 
 
-@dataclass(frozen=True)
-class FiniteFloats:
+class FiniteFloats(NamedTuple):
     """The bit patterns of finite floats whose value in the unit is in `scaled`; of all finite floats if it is None.
 
     Those of NaN are valid, too, if the type has a name for it.

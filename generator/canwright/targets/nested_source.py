@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Union
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple, Union
 
 WIDTH = 100
 """The characters of a table on one line with its indentation."""
@@ -21,8 +20,7 @@ class Code(str):
     __slots__ = ()
 
 
-@dataclass(frozen=True, kw_only=True)
-class NestedSource:
+class NestedSource(NamedTuple):
     """How a language writes tables: the `scalar` values, the `name` that starts an entry, and its brackets.
 
     Sequences are lists and tuples.
@@ -43,19 +41,16 @@ class NestedSource:
             return self.scalar(value)
         margin = " " * (indent + self.step)
         if isinstance(value, Mapping):
-            (opening, closing), entries = self.mapping, list(self._mapping(value, len(margin)))
+            (opening, closing), padding = self.mapping, self.padding
+            items = ((name, item) for name, item in value.items() if item is not None)
+            entries = [self.name(name) + self.printed(item, len(margin)) for name, item in items]
         else:
-            (opening, closing), entries = self.sequence, list(self._list(value, len(margin)))
+            (opening, closing), padding = self.sequence, ""
+            entries = [self.printed(item, len(margin)) for item in value]
+        if not entries:
+            return opening + closing
         line = ", ".join(entries)
-        padding = self.padding if entries and isinstance(value, Mapping) else ""
-        is_short = len(line) + 2 * len(opening + padding) <= WIDTH - indent and "\n" not in line
-        if is_short or not entries:
+        if len(line) + 2 * len(opening + padding) <= WIDTH - indent and "\n" not in line:
             return f"{opening}{padding}{line}{padding}{closing}"
         lines = f",\n{margin}".join(entries)
         return f"{opening}\n{margin}{lines},\n{' ' * indent}{closing}"
-
-    def _list(self, value: Sequence[Value], indent: int) -> Iterator[str]:
-        return (self.printed(item, indent) for item in value)
-
-    def _mapping(self, value: Table, indent: int) -> Iterator[str]:
-        return (self.name(name) + self.printed(item, indent) for name, item in value.items() if item is not None)

@@ -13,12 +13,12 @@ from . import resources
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
+@functools.cache
 def read_data(file: Path) -> Any:
     """The content of a file that is known to be valid."""
     return yaml.load(file.read_text("utf-8"), Loader=_LOADER)
 
 
-@functools.cache
 def template_texts(path: str) -> Any:
     """The texts of a file of `templates/`, by language and name."""
     return read_data(resources.TEMPLATES / path)

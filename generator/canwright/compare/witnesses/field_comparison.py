@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...model import formatting
 from ...model.exhaustive import assert_never
@@ -30,8 +30,7 @@ IGNORED = (ReservedRole, ParameterRole)
 """The roles of fields that a receiver does not look at if it knows no parameters."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class MessagePair:
+class MessagePair(NamedTuple):
     """A message as its sender encodes it, and the message as which its receiver decodes it."""
 
     assignments: Assignments
@@ -115,8 +114,7 @@ class MessagePair:
         return {target.name: source.name for source, target in pairs if source.name in every}
 
 
-@dataclass(frozen=True)
-class FieldPair:
+class FieldPair(NamedTuple):
     """One message under some parameters, sent and read."""
 
     messages: MessagePair
@@ -155,7 +153,7 @@ class FieldPair:
         for more in assignments.of(name for name in names if name not in self.assignment):
             assignment, seen = {**self.assignment, **more}, set[Paths]()
             sender = Sender(assignments.encoder(assignment), self.sender.message, self.sender.node)
-            for witness in replace(self, assignment=assignment, sender=sender)._compared(target, source):
+            for witness in self._replace(assignment=assignment, sender=sender)._compared(target, source):
                 if witness.paths not in seen:
                     seen.add(witness.paths)
                     yield witness
@@ -177,12 +175,15 @@ class FieldPair:
                     for sent, read in self._elements(source, raw, target, received)
                     for difference in self._differences(source.type, sent, target.type, read)
                 ]
+            is_rejected = not differences and required is None and self._is_out_of_range(source, target, received)
+            if not differences and not is_rejected:
+                continue
             sent_as = self._named(shown(source, raw, self._encoder.assignment))
             fields = tuple(dict.fromkeys((source, target, varied, *self._fixed_in(target))))
             for aspect, members in differences:
                 facts = {"sent": sent_as, "read": shown(target, received, self._encoder.assignment)}
                 yield self._made(aspect, "read", frame, facts, fields, members)
-            if not differences and required is None and self._is_out_of_range(source, target, received):
+            if is_rejected:
                 facts = {"sent": sent_as, "allowed": _allowed(target.type, self._encoder.assignment)}
                 yield self._made(RANGE, "out-of-range", frame, facts, (source, target))
 
@@ -355,7 +356,7 @@ class FieldPair:
         name = sentence(messages.side, about)
         witness = Witness(messages.side, stated, frame, name, facts, messages.commands, paths, is_of_field=True)
         accepted = witness.impact is Impact.LOUD or rejects_checked(messages.read, frame, known) is None
-        return replace(witness, exists=accepted and messages.is_identified(frame))
+        return witness._replace(exists=accepted and messages.is_identified(frame))
 
 
 def parameters_of(type_: Type) -> tuple[str, ...]:

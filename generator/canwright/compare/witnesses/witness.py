@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
+from typing import NamedTuple
 
 from ...model import formatting
 from ...model.types import Assignment
@@ -48,8 +48,7 @@ def sentence(side: Side, about: str) -> str:
     return f"{'sent' if side is Side.SENDING else 'received'}-{about}"
 
 
-@dataclass(frozen=True)
-class Witness:
+class Witness(NamedTuple):
     """A frame, what both sides make of it, and the parameter values under which they do.
 
     `frame` is None if the frame that one side expects is never sent. `paths` lead to the definitions in both specs that it

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...model.edition import Edition
 from ...model.layout import Element, Field, Segment, Space
@@ -27,8 +27,7 @@ def dtype(type_: Type) -> str:
     return f"{'i' if type_.encoding is Encoding.SIGNED else 'u'}{size}"
 
 
-@dataclass(frozen=True)
-class FrameReads:
+class FrameReads(NamedTuple):
     """The expressions for frames of some length: with one word a frame, `words` has one dimension, else two."""
 
     words: int

@@ -41,7 +41,7 @@ class Part:
     def _codes(self, *spaces: Space) -> Iterator[str]:
         return (f"{value:0{(key.width + 3) // 4}X}" for key, value in self._keys if key.space in spaces)
 
-    @property
+    @functools.cached_property
     def id_bits(self) -> int:
         """The bits of the id that are set by keys and constant fields."""
         keys = sum(placed(key.segments, value) for key, value in self._keys if key.space is Space.ID)
@@ -119,10 +119,16 @@ def listed_nodes(rule: IdRule, selected: Sequence[int]) -> Sequence[int] | None:
     return [n for n in selected if n in rule.nodes] if selected else rule.nodes[:LISTED_NODES]
 
 
-def frames(edition: Edition, direction: Direction, assignment: Assignment) -> list[Frame]:
+def frames(edition: Edition, direction: Direction, assignment: Assignment) -> Sequence[Frame]:
     """Frames of the commands that an assignment has, in the order of their first messages in the spec."""
-    available = [command for command in edition.commands if command.available(assignment)]
-    used = {message for command in available for message in (command.request, command.reply)}
+    available = tuple(command for command in edition.commands if command.available(assignment))
+    return _frames(edition, direction, available)
+
+
+@functools.lru_cache(maxsize=16)
+def _frames(edition: Edition, direction: Direction, commands: Sequence[Command]) -> Sequence[Frame]:
+    """The frames of some commands; cached, as most values of parameters allow the same commands."""
+    used = {message for command in commands for message in (command.request, command.reply)}
     by_id: dict[tuple[IdRule, int], list[Part]] = {}
     for part in _parts(edition, direction):
         if part.message in used:

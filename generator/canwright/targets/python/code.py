@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Union
+from typing import NamedTuple, Union
 
 WIDTH = 120
 """The most characters of a line of code."""
 
 
-@dataclass(frozen=True)
-class Items:
+class Items(NamedTuple):
     """A call or a collection: code with items between, each on its own line where one line would be too long."""
 
     opening: str
@@ -25,8 +23,7 @@ class Items:
         return f"{self.opening}{', '.join(map(str, self.items))}{comma}{self.closing}"
 
 
-@dataclass(frozen=True)
-class Parts:
+class Parts(NamedTuple):
     """An expression in parentheses: its parts are on their own lines where one line would be too long.
 
     `optional` are the parentheses that are left out on one line.
