@@ -226,8 +226,8 @@ def _values(type_: Type, among: tuple[str, ...]) -> tuple[str, str]:
         return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
     if type_.flags:
         return "\n".join(f"bit {m.value} {m.name}" for m in type_.flags), ""
-    scale = "\n".join(f"{step} ({names})" if names else step for names, step in formatting.scale(type_, among))
-    limits = [f"{limits} ({names})" if names else limits for names, limits in formatting.ranges(type_)]
+    scale = "\n".join(formatting.with_cases(formatting.scale(type_, among)))
+    limits = formatting.with_cases(formatting.ranges(type_))
     limits += [f"{formatting.no_value(no_value)} {no_value.name}" for no_value in type_.no_values]
     limits += [f"{member.value} {member.name}" for member in type_.names]
     return scale, "\n".join(limits)

@@ -25,4 +25,4 @@ def check(subject: CheckInput) -> Findings:
 
 
 def _resolution(type_: Type) -> str:
-    return ", ".join(f"{step} ({names})" if names else step for names, step in formatting.scale(type_))
+    return ", ".join(formatting.with_cases(formatting.scale(type_)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from ...model import formatting
 from ...model.edition import Edition
@@ -49,20 +49,18 @@ def meaning(field: Field) -> str:
     title = formatting.english(field.title) or formatting.english(type_.title) or formatting.spoken(field.name)
     parts = [title]
     if type_.is_number and not type_.is_plain:
-        parts += [f"resolution {_by(formatting.scale(type_))}"]
+        parts += [f"resolution {', '.join(formatting.with_cases(formatting.scale(type_)))}"]
     elif type_.unit:
         parts += [type_.unit.symbol]
     limits = formatting.ranges(type_)
-    parts += [f"raw {_by(limits)}"] if limits and type_.encoding is not Encoding.FLOAT else []
+    parts += (
+        [f"raw {', '.join(formatting.with_cases(limits))}"] if limits and type_.encoding is not Encoding.FLOAT else []
+    )
     parts += [f"raw {formatting.no_value(no_value)} is {no_value.name}" for no_value in type_.no_values]
     parts += [f"raw {member.value} is named {member.name}" for member in type_.names]
     parts += [f"only {', '.join(field.only)}"] if field.only else []
     parts += [f"in the manual: {field.manual_name}"] if field.manual_name else []
     return text.comment("; ".join(parts))
-
-
-def _by(cases: Iterable[tuple[str, str]]) -> str:
-    return ", ".join(f"{shown} ({names})" if names else shown for names, shown in cases)
 
 
 def field_type(field: Field) -> str:

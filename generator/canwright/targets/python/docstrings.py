@@ -106,10 +106,12 @@ def of_type(type_: Type) -> str:
         parts.append(f"In {type_.unit.symbol}")
     is_bare = type_.encoding is Encoding.FLOAT and type_.linear == ByParameter.always(IDENTITY)
     if not type_.is_plain and type_.is_number and not is_bare:
-        parts.append("resolution (1 LSB) " + _alternatives(formatting.scale(type_)))
+        parts.append("resolution (1 LSB) " + ", ".join(formatting.with_cases(formatting.scale(type_))))
     limits = formatting.ranges(type_)
     if limits:
-        parts.append(("from " if type_.encoding is Encoding.FLOAT else "raw ") + _alternatives(limits))
+        parts.append(
+            ("from " if type_.encoding is Encoding.FLOAT else "raw ") + ", ".join(formatting.with_cases(limits))
+        )
     if type_.no_values:
         parts.append("None: " + ", ".join(f"{n.name} (raw {formatting.no_value(n)})" for n in type_.no_values))
     if type_.names:
@@ -125,11 +127,6 @@ def _elements(field: Field, nodes: Sequence[int]) -> str:
         return ""
     what = "node" if numbers == list(nodes) else "number"
     return sentence("Elements: " + ", ".join(f"[{i}] is {what} {number}" for i, number in enumerate(numbers)))
-
-
-def _alternatives(cases: Sequence[tuple[str, str]]) -> str:
-    """Alternatives with their parameter values, which are empty for a constant."""
-    return ", ".join(f"{what} ({values})" if values else what for values, what in cases)
 
 
 def _in_manual(command: Command) -> str:
