@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from canwright.cli import main
-from click.testing import CliRunner
-
 from ..spec_texts import MINIMAL
+from .test_periods import summary_lines
 
 BEAT = "  beat: {code: 0x20, request: {count: {at: 6, raw: u4, counter: 1..14}}, reply: none}\n"
 
 
 def summary(folder: Path, *frames: str) -> list[str]:
     """The summary of a log with a frame every 10 ms, by line."""
-    spec, log = folder / "lamp.yaml", folder / "bus.log"
+    spec = folder / "lamp.yaml"
     spec.write_text(MINIMAL + BEAT, "utf-8")
-    log.write_text("".join(f"({i / 100:.6f}) can0 {frame}\n" for i, frame in enumerate(frames)), "utf-8")
-    done = CliRunner().invoke(main, ["decode", str(log), "--spec", str(spec)])
-    return done.output.partition("\n\n")[2].splitlines()
+    return summary_lines(folder, spec, ((at / 100, frame) for at, frame in enumerate(frames)))
 
 
 def beat(count: int, node: int = 1) -> str:

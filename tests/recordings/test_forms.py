@@ -225,9 +225,9 @@ ENCODINGS: dict[str, Callable[[bytes], bytes]] = {
 """The first four are also those of captures."""
 
 
-def read(tmp_path: Path, content: bytes) -> tuple[list[LogFrame], Counts]:
+def read(tmp_path: Path, content: str | bytes) -> tuple[list[LogFrame], Counts]:
     file = tmp_path / "log"
-    file.write_bytes(content)
+    file.write_bytes(content.encode() if isinstance(content, str) else content)
     with open_log(str(file)) as log:
         return list(log), log.counts
 

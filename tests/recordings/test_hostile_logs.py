@@ -15,11 +15,11 @@ from pathlib import Path
 
 import can
 import pytest
-from canwright.recordings.log_frame import Counts, LogFrame, SkippedPart
+from canwright.recordings.log_frame import SkippedPart
 from canwright.recordings.readers import LogError, open_log
 
 from ..spec_texts import ROOT
-from .test_forms import LOGS
+from .test_forms import LOGS, read
 
 ASC = "base hex  timestamps absolute\n"
 ASC_FRAME = "   0.5 1  141  Rx   d 8 9A 00 00 00 00 00 00 00\n"
@@ -30,13 +30,6 @@ CSV = "timestamp,arbitration_id,extended,remote,error,dlc,data\n"
 CSV_FRAME = "0.5,0x141,0,0,0,8,mgAAAAAAAAA=\n"
 SAVVYCAN = "Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8\n"
 SAVVYCAN_FRAME = "1000,00000141,false,Rx,0,8,9A,00,00,00,00,00,00,00,\n"
-
-
-def _read(tmp_path: Path, content: str | bytes) -> tuple[list[LogFrame], Counts]:
-    file = tmp_path / "log"
-    file.write_bytes(content.encode() if isinstance(content, str) else content)
-    with open_log(str(file)) as log:
-        return list(log), log.counts
 
 
 @pytest.mark.parametrize(
@@ -55,7 +48,7 @@ def _read(tmp_path: Path, content: str | bytes) -> tuple[list[LogFrame], Counts]
     ],
 )
 def test_headers_that_are_unusual(tmp_path: Path, text: str, seconds: float) -> None:
-    (frame,), counts = _read(tmp_path, text)
+    (frame,), counts = read(tmp_path, text)
     assert frame.frame.id == 0x141 and frame.frame.data[0] == 0x9A
     assert frame.time is not None and round(frame.time / 1e9, 6) == round(seconds, 6)
     assert not {part for part in counts.skipped if part is not SkippedPart.OTHER}
@@ -85,7 +78,7 @@ def test_headers_that_are_unusual(tmp_path: Path, text: str, seconds: float) -> 
 )
 def test_what_cannot_be_read_is_stated(tmp_path: Path, content: str | bytes, problem: str) -> None:
     with pytest.raises(LogError, match=problem):
-        _read(tmp_path, content)
+        read(tmp_path, content)
 
 
 @pytest.mark.parametrize(
@@ -112,14 +105,14 @@ def test_what_cannot_be_read_is_stated(tmp_path: Path, content: str | bytes, pro
     ],
 )
 def test_impossible_frames_are_malformed(tmp_path: Path, header: str, good: str, bad: str) -> None:
-    frames, counts = _read(tmp_path, header + good + bad + good)
+    frames, counts = read(tmp_path, header + good + bad + good)
     assert [recorded.frame.id for recorded in frames] == [0x141, 0x141]
     assert counts.skipped == {SkippedPart.MALFORMED: 1}
     assert counts.examples[SkippedPart.MALFORMED] == [(header.count("\n") + 2, bad.strip())]
 
 
 def test_decimal_digits_at_the_end_of_a_text_may_be_cut_off(tmp_path: Path) -> None:
-    frames, counts = _read(tmp_path, "base dec\n 0.5 1 321 Rx d 1 154\n 0.6 1 321 Rx d 1 15")
+    frames, counts = read(tmp_path, "base dec\n 0.5 1 321 Rx d 1 154\n 0.6 1 321 Rx d 1 15")
     assert len(frames) == 1 and counts.skipped == {SkippedPart.TRUNCATED: 1}
 
 
@@ -141,7 +134,7 @@ def test_each_line_is_read_once(tmp_path: Path, header: str, line: str) -> None:
     comment = ";" if header is TRC2 else "//"
     damaged = line.replace("0141", "9141").replace("  141", "  941").replace("0x141", "0x941")
     long_header = header + (f"{comment}\n" * 4_000 if header is not CSV else "\n" * 4_000)
-    frames, counts = _read(tmp_path, long_header + line + damaged * 4_000 + line)
+    frames, counts = read(tmp_path, long_header + line + damaged * 4_000 + line)
     assert len(frames) == 2 and counts.skipped[SkippedPart.MALFORMED] == 4_000
 
 
@@ -161,9 +154,9 @@ def test_a_truncated_mf4_is_stated_in_a_line(tmp_path: Path, kept: int) -> None:
 
 @pytest.mark.parametrize("stamp", ["9" * 20 + "e99", "1e18", "1e99", "9" * 19])
 def test_a_time_of_a_table_beyond_64_bits_is_unknown(tmp_path: Path, stamp: str) -> None:
-    (frame,), _ = _read(tmp_path, CSV + CSV_FRAME.replace("0.5", stamp))
+    (frame,), _ = read(tmp_path, CSV + CSV_FRAME.replace("0.5", stamp))
     assert frame.time is None
-    frames, counts = _read(tmp_path, CSV + CSV_FRAME + CSV_FRAME.replace("0.5", "9" * 300 + "e99"))
+    frames, counts = read(tmp_path, CSV + CSV_FRAME + CSV_FRAME.replace("0.5", "9" * 300 + "e99"))
     assert len(frames) == 1 and counts.skipped == {SkippedPart.MALFORMED: 1}
 
 
@@ -186,7 +179,7 @@ def test_mutants_end_soon_with_frames_or_a_sentence(tmp_path: Path, form: str, s
         mutant = _mutated(whole, chance)
         start = time.process_time()
         with contextlib.suppress(LogError):
-            _read(tmp_path, mutant)
+            read(tmp_path, mutant)
         assert time.process_time() - start < 2, mutant
 
 
@@ -215,6 +208,6 @@ _PIECES = [b"\n", b"\n\n", b"-1", b"9" * 400, b"e99", b".", b",", b";", b"nan", 
 
 
 def test_what_a_log_contains_reaches_no_logger(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    frames, _ = _read(tmp_path, ";$FILEVERSION=1.1\n;\n\x1b]0;title\x07\x1b[31mred\n" + TRC_FRAME)
+    frames, _ = read(tmp_path, ";$FILEVERSION=1.1\n;\n\x1b]0;title\x07\x1b[31mred\n" + TRC_FRAME)
     assert len(frames) == 1
     assert capfd.readouterr() == ("", "")

@@ -14,11 +14,11 @@ from canwright.model import formatting
 from canwright.model.edition import Edition
 from canwright.project.loader import specification
 from canwright.recordings import mcap_file
-from click.testing import CliRunner, Result
+from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 
 from ..spec_texts import MINIMAL, WITHOUT_SETTINGS_IN_IDS, called
-from .test_decode import EARLY, MIXED, SETTINGS, V2_35, golden_of
+from .test_decode import EARLY, MIXED, SETTINGS, V2_35, decode, golden_of
 
 pytestmark = pytest.mark.interop("mcap")
 
@@ -35,14 +35,6 @@ class Read(NamedTuple):
 @pytest.fixture(autouse=True)
 def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-
-
-def decode(log: str, *options: str, status: int | None = 0) -> Result:
-    """What `decode` prints of a log; the status may be any if it is None."""
-    Path("bus.log").write_text(log, "utf-8")
-    result = CliRunner().invoke(main, ["decode", "bus.log", *options])
-    assert status in (None, result.exit_code), result.output
-    return result
 
 
 def messages(log: str, *options: str, status: int | None = 0) -> list[Read]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from canwright.cli import main
@@ -13,12 +14,16 @@ SPEC = ROOT / "tests/specs/pack/v1.yaml"
 STATE = "182#00C883FF02"
 
 
-def summary(folder: Path, *frames: tuple[float, str]) -> list[str]:
+def summary_lines(folder: Path, spec: Path, frames: Iterable[tuple[float, str]]) -> list[str]:
     """The summary of a log, by line."""
     log = folder / "bus.log"
     log.write_text("".join(f"({time:.6f}) can0 {frame}\n" for time, frame in sorted(frames)), "utf-8")
-    done = CliRunner().invoke(main, ["decode", str(log), "--spec", str(SPEC)])
+    done = CliRunner().invoke(main, ["decode", str(log), "--spec", str(spec)])
     return done.output.partition("\n\n")[2].splitlines()
+
+
+def summary(folder: Path, *frames: tuple[float, str]) -> list[str]:
+    return summary_lines(folder, SPEC, frames)
 
 
 def test_regular_frames_are_neither_late_nor_unexpected(tmp_path: Path) -> None:
