@@ -1305,10 +1305,15 @@ class Message:
     def __eq__(self, other: Any) -> bool:
         if type(self) is not type(other):
             return NotImplemented
-        if self._raws != other._raws or self._node != other._node or self._code != other._code:
-            return False
-        ours, theirs = self._parameters, other._parameters
-        return ours is theirs or all(getattr(ours, name) == getattr(theirs, name) for name in self.DEPENDS)
+        return (
+            self._raws == other._raws
+            and self._node == other._node
+            and self._code == other._code
+            and (
+                self._parameters is other._parameters
+                or all(getattr(self._parameters, name) == getattr(other._parameters, name) for name in self.DEPENDS)
+            )
+        )
 
     def __hash__(self) -> int:
         # equal messages have equal hashes, whatever their parameters are
