@@ -81,15 +81,18 @@ class Scene(Feed):
 def picture() -> str:
     """The picture as SVG."""
 
-    async def shown() -> str:
+    async def painted() -> str:
         app = MonitorApp(Scene(), [], "node=1..2")
         app.title = "canwright monitor"
         async with app.run_test(size=_SIZE) as pilot:
             app.renew()
-            await pilot.pause()
-            return app.export_screenshot()
+            before = ""
+            while (shown := app.export_screenshot()) != before:  # a busy machine paints late
+                before = shown
+                await pilot.pause(0.1)
+            return shown
 
-    return _HOSTS.sub("", asyncio.run(shown())) + "\n"
+    return _HOSTS.sub("", asyncio.run(painted())) + "\n"
 
 
 if __name__ == "__main__":
