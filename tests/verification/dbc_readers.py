@@ -72,28 +72,24 @@ def differences(reader: Reader, text: str, cases: Sequence[Case]) -> Iterator[st
 def cases_of(item: EditionInput, file: File) -> list[Case]:
     """The golden frames that a file describes completely."""
     views = {message.id: message for message in file.messages}
-    known = {p.name: v.name for p in item.edition.parameters for v in p.values if v.name in file.known}
     cases: list[Case] = []
     for frame in item.frames.frames if item.frames else ():
         view = views.get(frame.id | (EXTENDED if frame.extended else 0))
-        given = {name: str(value) for name, value in frame.parameters.items()}
-        fits = frame.direction in file.directions and all(given.get(n, v) == v for n, v in known.items())
+        fits = frame.direction in file.directions and file.agrees(frame.parameters)
         if view and fits and not frame.remote and not frame.decode_only and len(frame.data) == view.length:
-            cases += _case(item.edition, frame, view, bool(file.table), known)
+            cases += _case(item.edition, frame, view, file)
     return cases
 
 
-def _case(
-    edition: Edition, frame: GoldenFrame, view: Message, is_of_table: bool, known: Mapping[str, str]
-) -> Iterator[Case]:
+def _case(edition: Edition, frame: GoldenFrame, view: Message, file: File) -> Iterator[Case]:
     command = edition.command(frame.command)
     message = command.message(frame.direction)
     assert message
     part = Part(command, message)
-    if not command.available(known) or (len(part.selectors) > 1) is not is_of_table:
+    if not command.available(file.assignment) or (len(part.selectors) > 1) is not bool(file.table):
         return
     selector = next((s for s in view.signals if s.mux == "M"), None)
-    if is_of_table and selector and command.name not in dict(selector.values).values():
+    if file.table and selector and command.name not in dict(selector.values).values():
         return
     shown = [s for s in view.signals if not selector or s.mux in ("M", f"m{_raw(selector, frame.data)}")]
     by_name = {s.whole_name: s for s in shown if s is not selector}

@@ -6,7 +6,6 @@ can: such a case is a named exception.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -16,7 +15,7 @@ from typing import Any, ClassVar, TypeVar
 from ..model.layout import Space
 from ..model.message import Direction, Message
 from ..model.refusal import Refusal
-from ..model.types import NO_PARAMETERS, Assignment, number_of
+from ..model.types import NO_PARAMETERS
 from ..semantics.configured import configured
 from ..semantics.decoder import Decoder, Identified
 from ..semantics.dispatch import dispatch_plan
@@ -26,7 +25,6 @@ from ..targets.base import EditionInput
 from ..targets.dbc.files import files
 from ..targets.dbc.frames import frames, obstacle
 from ..targets.dbc.limits import LIMITS
-from ..targets.dbc.names import known_values
 from ..targets.dbc.printer import printed
 from ..targets.dbc.view import File
 from ..targets.options import NO_OPTIONS
@@ -84,10 +82,6 @@ class DbcAdapter(Adapter):
             for frame in frames(self.edition, direction, {}):
                 self._left_out |= set(frame.hidden)
         self._routes = {direction: dispatch_plan(self.edition, direction).routes for direction in Direction}
-        self._fixed_in_id = {
-            m: [f for f in m.layout.fields if f.space is Space.ID and not f.is_given]
-            for m in self.edition.all_messages()
-        }
         self._whole = [p.name for p in self.edition.parameters if p.whole]
         self._by_ids: dict[tuple[object, ...], DbcAdapter] = {}
         self._deciding = {name for m in self.edition.all_messages() for f in m.layout.fields for name in f.type.numbers}
@@ -122,15 +116,12 @@ class DbcAdapter(Adapter):
     ) -> Decoded | Refused:
         """Decodes a frame whose id and constants contain no unknown parameter."""
         known = [m for m in self.edition.messages(direction) if has_id(m, frame)]
-        overlaid_ = (m for m in known if m.name in self._left_out)
-        if any(obstacle(m) or is_message(m, frame) for m in overlaid_):
+        if any(obstacle(m) or is_message(m, frame) for m in known if m.name in self._left_out):
             raise Cannot("left_out")
         if not known and self._has_rule(direction, frame):
             raise Cannot("codes_in_id")
-        if any(self._constant_in_id(m, frame) for m in known):
-            raise Cannot("constants")
-        if any(self._reserved_in_id(m, frame) for m in known):
-            raise Cannot("reserved_in_id")
+        for message in known:
+            _refuse_bits_of_id(message, frame)
         if frame.remote:
             return Refused(Refusal.UNKNOWN_ID)
         read = self._read(direction, frame, parameters)
@@ -160,15 +151,6 @@ class DbcAdapter(Adapter):
         alike = (e for e in self._routes[direction] if (e.rule.extended, e.remote) == (frame.extended, frame.remote))
         return any(entry.mask and entry.contains(frame.id) for entry in alike)
 
-    def _constant_in_id(self, message: Message, frame: CanFrame) -> bool:
-        """Whether a constant in the id is another one."""
-        return bool(wrong_constants(self._fixed_in_id[message], frame))
-
-    def _reserved_in_id(self, message: Message, frame: CanFrame) -> bool:
-        """Whether reserved bits in the id are not those that are sent."""
-        reserved = message_plan(message).reserved_in_id
-        return frame.id & reserved.mask != reserved.value
-
     def encode_raw(
         self,
         direction: Direction,
@@ -194,33 +176,25 @@ class DbcAdapter(Adapter):
     def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
         raise Cannot("exchanges")
 
-    def _names(self, parameters: Parameters) -> Iterator[tuple[frozenset[str], Assignment]]:
-        """The known values of the files that a node with these parameters may need: one, or several where one is not given."""
-        given = assignment(parameters)
-        choices: list[list[tuple[str, str | Fraction]]] = []
-        fixed: dict[str, str | Fraction] = {}
-        for parameter in self.edition.parameters:
-            name = parameter.name
-            if not parameter.is_numeric:
-                values = [given[name]] if name in given else [value.name for value in parameter.values]
-                choices.append([(name, value) for value in values])
-            elif name in given and not parameter.whole and (parameter.is_choice or name in self._deciding):
-                number = number_of(given, name)
-                fixed[name] = given[name] if parameter.is_choice or number is None else number
-        for combination in itertools.product(*choices):
-            yield frozenset(known_values(self.edition, {**dict(combination), **fixed})), fixed
+    def _files(self, direction: Direction, parameters: Parameters) -> Iterator[Sequence[DbcFile]]:
+        """The files that a node with these parameters may need, for each value of those that are not given.
 
-    def _files(self, direction: Direction, known: frozenset[str], fixed: Assignment) -> Sequence[DbcFile]:
-        """The files of a direction for known values: those of tables, then the plain one."""
+        Each time these are the files of tables, then the plain one.
+        """
+        given = {p: value for p in self.edition.parameters if (value := assignment(parameters).get(p.name)) is not None}
+        fixed = {
+            p.name: given[p]
+            for p in given
+            if p.is_numeric and not p.whole and (p.is_choice or p.name in self._deciding)
+        }
         variant = tuple(fixed.items())
         if variant not in self._made:
-            self._made[variant] = files(self.edition, dict(variant), NO_OPTIONS)
-        matching = [
-            file
-            for file in self._made[variant]
-            if direction in file.directions and (known.issuperset(file.known) if file.table else known == {*file.known})
-        ]
-        return [self._file(file) for file in sorted(matching, key=lambda file: not file.table)]
+            self._made[variant] = files(self.edition, fixed, NO_OPTIONS)
+        made = [file for file in self._made[variant] if direction in file.directions]
+        choices = {p.name: value for p, value in given.items() if p.is_choice}
+        for plain in (file for file in made if not file.table and file.agrees(choices)):
+            tables = (file for file in made if file.table and file.agrees(plain.assignment))
+            yield [self._file(file) for file in (*tables, plain)]
 
     def _file(self, file: File) -> DbcFile:
         if file.name not in self._loaded:
@@ -229,11 +203,8 @@ class DbcAdapter(Adapter):
 
     def _read(self, direction: Direction, frame: CanFrame, parameters: Parameters) -> list[Decoded | Refused]:
         """What the files say, for each combination of parameters that are not given."""
-        read: list[Decoded | Refused] = []
-        for known, fixed in self._names(parameters):
-            loaded = self._files(direction, known, fixed)
-            read.append(_read(loaded, direction, frame) if loaded else Refused(Refusal.UNKNOWN_ID))
-        return read
+        read = [_read(loaded, direction, frame) for loaded in self._files(direction, parameters)]
+        return read or [Refused(Refusal.UNKNOWN_ID)]
 
     def _encode(
         self,
@@ -250,10 +221,10 @@ class DbcAdapter(Adapter):
         message = self.message_of(direction, command)
         if message.name in self._left_out or message.parameters:
             raise Cannot("left_out")
-        written = []
-        for known, fixed in self._names(parameters):
-            loaded = self._files(direction, known, fixed)
-            written.append(_first(file.write(message, node, given, parameters, code, scaled) for file in loaded))
+        written = [
+            _first(file.write(message, node, given, parameters, code, scaled) for file in loaded)
+            for loaded in self._files(direction, parameters)
+        ]
         if all(result is None for result in written):
             raise Cannot("selectors_apart" if len(message.keys) > 1 else "other_value")
         for answer in written:
@@ -270,6 +241,15 @@ class DbcAdapter(Adapter):
         if means_another(message, result):
             raise Cannot("confusion")
         return result
+
+
+def _refuse_bits_of_id(message: Message, frame: CanFrame) -> None:
+    """Raises Cannot for an id whose constants or reserved bits are not those that are sent."""
+    if wrong_constants([f for f in message.layout.fields if f.space is Space.ID and not f.is_given], frame):
+        raise Cannot("constants")
+    reserved = message_plan(message).reserved_in_id
+    if frame.id & reserved.mask != reserved.value:
+        raise Cannot("reserved_in_id")
 
 
 def _names_of(value: Any) -> Any:

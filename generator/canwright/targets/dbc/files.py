@@ -15,16 +15,14 @@ from ..options import NO_OPTIONS, Options
 from . import sending
 from .comments import ENGLISH, Comments
 from .frames import Frame, Part, frames, partners
-from .names import known_values, message_endings, node_name
+from .names import message_endings, node_name
 from .selection import COMMENTS, NODES
 from .signals import Signals
 from .text import fitting
-from .view import KIND, File, Message, Signal, fitted
+from .view import KIND, File, Message, Signal, fitted, known_values
 
 _OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY}
 _NO_NODE = "Vector__XXX"
-_VERSION_LENGTH = 32
-"""A longer VERSION is an error in some readers, and so is a comma in it."""
 _MAX_NODES_IN_NAME = 8
 
 
@@ -34,59 +32,59 @@ def files(edition: Edition, set_parameters: Assignment, options: Options) -> Seq
     Files of a table that are the same for every value of the parameters are one file.
     """
     made = _Files(edition, set_parameters, options)
-    plain = [file for values in made.assignments for file in made.plain(values)]
+    plain: list[File] = []
     of_tables: dict[tuple[Sequence[Direction], str], list[File]] = {}
-    for assignment in made.assignments:
-        for file in made.tables(assignment):
-            of_tables.setdefault((file.directions, file.table), []).append(file)
+    for file in made.files():
+        (of_tables.setdefault((file.directions, file.table), []) if file.table else plain).append(file)
     return [*plain, *(file for same in of_tables.values() for file in made.merged(same))]
 
 
 @functools.lru_cache(maxsize=4)
-def _with_defaults(edition: Edition) -> _Files:
-    return _Files(edition, {}, NO_OPTIONS)
+def _without_options(edition: Edition) -> Sequence[File]:
+    return files(edition, {}, NO_OPTIONS)
 
 
 def reply_file(edition: Edition, assignment: Assignment) -> str | None:
     """The name of the first file that decodes replies under some parameter values; None without replies."""
-    made = _with_defaults(edition)
-    agreeing = (a for a in made.assignments if all(assignment.get(name, value) == value for name, value in a.items()))
-    return made.name_of_replies(next(agreeing))
+    plain = (file for file in _without_options(edition) if Direction.REPLY in file.directions and not file.table)
+    return next((file.name for file in plain if file.agrees(assignment)), None)
 
 
 def signals_of_files(edition: Edition) -> Iterator[Signal]:
-    """The signals in all files of an edition; those of several files several times."""
-    made = _with_defaults(edition)
-    return (signal for assignment in made.assignments for signal in made.signals(assignment))
+    """The signals in all files of an edition; those of several files and nodes several times."""
+    return (s for file in _without_options(edition) for message in file.messages for s in message.signals)
 
 
 def stems(edition: Edition) -> Iterator[str]:
     """The first part of the names of files: the edition, and the parameter values that have files of their own."""
-    made = _with_defaults(edition)
-    return ("-".join((made.name, *made.known(assignment))) for assignment in made.assignments)
+    name = f"{edition.family}-{edition.name}"
+    return ("-".join((name, *known_values(edition, assignment))) for assignment in _assignments(edition, {}))
 
 
 class _Content(NamedTuple):
-    """A frame with its direction and signals."""
+    """A frame with its signals."""
 
-    direction: Direction
     frame: Frame
     signals: tuple[Signal, ...]
+
+    @property
+    def direction(self) -> Direction:
+        return self.frame.parts[0].message.direction
 
 
 class _Files:
     """Builds the files of an edition."""
 
     def __init__(self, edition: Edition, set_parameters: Assignment, options: Options) -> None:
-        self.name = f"{edition.family}-{edition.name}"
-        self.assignments = list(_assignments(edition, set_parameters))
-        """The combinations of parameter values that have files of their own."""
         self._edition = edition
         self._host = fitting(edition.bus.host)
         self._nodes = options[NODES]
         self._comments = Comments(options[COMMENTS])
         numbers = {p.name: number_of(set_parameters, p.name) for p in edition.parameters if not p.is_choice}
         self._numbers: dict[str, Fraction] = {name: fixed for name, fixed in numbers.items() if fixed is not None}
+        self._assignments: Sequence[Assignment] = [
+            {**choices, **self._numbers} for choices in _assignments(edition, set_parameters)
+        ]
         self._signals = {direction: Signals(direction, self._numbers, self._comments) for direction in KIND}
         every_frame = {direction: frames(edition, direction, {}) for direction in KIND}
         ids = ({id_ for frame in of_one for _, id_ in frame.ids()} for of_one in every_frame.values())
@@ -95,85 +93,56 @@ class _Files:
         self._groups = [(direction,) for direction in used] if self._shared else [used]
         self._tables = table_names(part for listed in every_frame.values() for frame in listed for part in frame.parts)
 
-    def plain(self, assignment: Assignment) -> Iterator[File]:
-        """The files of the first selector: one for each direction, or one for both if they share no id."""
-        for group in self._groups:
-            yield from self._file(group, assignment, "", self._plain_contents(group, assignment))
-
-    def name_of_replies(self, assignment: Assignment) -> str | None:
-        """The name of the file of the first selector that contains replies."""
-        kinds = [KIND[group[0]] if len(group) == 1 else "" for group in self._groups if Direction.REPLY in group]
-        return "-".join(filter(None, (self.name, *self.known(assignment), *kinds))) if kinds else None
-
-    def tables(self, assignment: Assignment) -> Iterator[File]:
-        """The files that read the selectors of a table as one number."""
-        for group in self._groups:
+    def files(self) -> Iterator[File]:
+        """A file for each direction, or one for both if they share no id, and one for each table of a direction."""
+        for assignment, group in itertools.product(self._assignments, self._groups):
             contents: dict[str, list[_Content]] = {}
-            for name, content in self._table_contents(group, assignment):
-                contents.setdefault(name, []).append(content)
-            for name, parts in contents.items():
-                yield from self._file(group, assignment, name, parts)
-
-    def signals(self, assignment: Assignment) -> Iterator[Signal]:
-        """The signals of all frames under some parameter values."""
-        for group in self._groups:
-            of_tables = (content for _, content in self._table_contents(group, assignment))
-            for content in (*self._plain_contents(group, assignment), *of_tables):
-                yield from content.signals
+            for table, content in self._contents(group, assignment):
+                contents.setdefault(table, []).append(content)
+            for table, of_table in contents.items():
+                yield from self._file(group, assignment, table, of_table)
 
     def merged(self, same: Sequence[File]) -> Sequence[File]:
         """The files of a table for all values of the parameters; a single one if their messages are the same."""
         first = same[0]
-        if len(same) < len(self.assignments) or any(file.messages != first.messages for file in same):
+        if len(same) < len(self._assignments) or any(file.messages != first.messages for file in same):
             return same
-        comment = self._about({}, first.directions, first.table)
-        return [first._replace(known=tuple(self.known({})), comment=comment)]
+        return [
+            first._replace(assignment=self._numbers, comment=self._about(self._numbers, first.directions, first.table))
+        ]
 
-    def known(self, assignment: Assignment) -> Iterator[str]:
-        """The parameter values in file names, with those that are set."""
-        return known_values(self._edition, {**assignment, **self._numbers})
-
-    def _plain_contents(self, group: Sequence[Direction], assignment: Assignment) -> Iterator[_Content]:
+    def _contents(self, group: Sequence[Direction], assignment: Assignment) -> Iterator[tuple[str, _Content]]:
+        """The frames of a file of the first selector, and those whose selectors are read as one number, by their table."""
         for direction in group:
+            signals = self._signals[direction]
             for frame in frames(self._edition, direction, assignment):
-                yield _Content(direction, frame, self._signals[direction].of(frame.parts, assignment))
-
-    def _table_contents(self, group: Sequence[Direction], assignment: Assignment) -> Iterator[tuple[str, _Content]]:
-        for direction in group:
-            for frame in frames(self._edition, direction, assignment):
-                by_name: dict[tuple[str, range], list[Part]] = {}
-                for part in frame.parts:
-                    if part.joined_span:
-                        by_name.setdefault((self._tables[table_key(part)], part.joined_span), []).append(part)
-                for (name, span), parts in by_name.items():
-                    signals = self._signals[direction].joined(parts, assignment, span)
-                    yield name, _Content(direction, frame._replace(parts=tuple(parts)), signals)
+                yield "", _Content(frame, fitted(signals.of(frame.parts, assignment)))
+                for key, parts in parts_of_tables(frame.parts).items():
+                    of_table = frame._replace(parts=tuple(parts))
+                    yield self._tables[key], _Content(of_table, fitted(signals.joined(parts, assignment, key[1])))
 
     def _file(
-        self, group: tuple[Direction, ...], assignment: Assignment, table: str, contents: Iterable[_Content]
+        self, group: tuple[Direction, ...], assignment: Assignment, table: str, contents: Sequence[_Content]
     ) -> Iterator[File]:
         """A file with these frames; none without messages."""
         messages = fitted(message for content in contents for message in self._messages(content, len(group) > 1))
         ends = [end for message in messages for end in (*message.senders, *message.receivers) if end != _NO_NODE]
-        digest = self._edition.hash[:12]
         if messages:
             yield File(
-                edition=self.name,
-                known=tuple(self.known(assignment)),
+                edition=self._edition,
+                assignment=assignment,
                 directions=group,
                 table=table,
+                commands=tuple(dict.fromkeys(p.command.spec_name for content in contents for p in content.frame.parts)),
                 variant=tuple(self._variant()),
-                version=f"{self._edition.name[: _VERSION_LENGTH - len(digest) - 1]} {digest}",
                 comment=self._about(assignment, group, table),
                 nodes=tuple(dict.fromkeys((self._host, *ends))),
                 messages=messages,
-                frame_format=self._edition.bus.frame_format,
             )
 
     def _messages(self, content: _Content, with_direction: bool) -> Iterator[Message]:
         """One message for each node, named by direction and a code in the id, or by the command if there is no selector."""
-        direction, frame, signals = content
-        first = frame.parts[0]
+        frame, first = content.frame, content.frame.parts[0]
         selected, of_both, alone = message_endings(first)
         is_of_both = with_direction and first.command.request and first.command.reply
         ending = selected if first.selectors else of_both if is_of_both else alone
@@ -182,22 +151,18 @@ class _Files:
             name = node_name(first.message.address, node)
             nodes: tuple[str, ...] = (fitting(name),)
             if node is None:
-                ends = (
-                    fitting(node_name(*end))
-                    for part in frame.parts
-                    for end in partners(self._edition, part, self._nodes)
-                )
-                nodes = tuple(dict.fromkeys(ends)) or (_NO_NODE,)
-            is_request = direction is Direction.REQUEST
+                ends = (end for part in frame.parts for end in partners(self._edition, part, self._nodes))
+                nodes = tuple(dict.fromkeys(fitting(node_name(*end)) for end in ends)) or (_NO_NODE,)
+            is_request = content.direction is Direction.REQUEST
             yield Message(
                 id=id_,
-                name=f"{name}_{ending}",
+                whole_name=f"{name}_{ending}",
                 length=frame.length,
                 shortest=frame.shortest,
                 senders=(self._host,) if is_request else nodes,
                 receivers=nodes if is_request else (self._host,),
                 comment=self._comment(content, id_ in self._shared),
-                signals=signals,
+                signals=content.signals,
                 send_type=send_type,
                 cycle_ms=cycle_ms,
             )
@@ -223,7 +188,7 @@ class _Files:
     def _about(self, assignment: Assignment, group: Sequence[Direction], table: str) -> str:
         """The comment of a file: its origin, and what it describes."""
         comments, edition = self._comments, self._edition
-        known = comments.listed(self.known(assignment))
+        known = comments.listed(known_values(edition, assignment))
         sentences = [
             comments.fixed("made", family=edition.family, edition=edition.name),
             comments.labelled(comments.fixed("parameters"), known) if known else "",
@@ -238,50 +203,49 @@ class _Files:
         return comments.sentences(sentences)
 
 
-def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Assignment]:
+def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Mapping[str, str]]:
     """The combinations of parameter values that have files of their own."""
     choices = []
     for parameter in (p for p in edition.parameters if p.is_choice):
         wanted = set_parameters.get(parameter.name)
         if wanted is not None or not parameter.is_numeric:
             choices.append([(parameter.name, v.name) for v in parameter.values if wanted in (None, v.name)])
-    yield from map(dict, itertools.product(*choices))
+    return map(dict, itertools.product(*choices))
 
 
-TableKey = tuple[str, range | None]
-"""The table of a part, and the bits of its selectors; without a table, the names of the selectors after the first."""
+def parts_of_tables(parts: Iterable[Part]) -> Mapping[tuple[str, range], Sequence[Part]]:
+    """The parts whose selectors can be read as one number, by their table and the bits of the selectors.
+
+    Without a table, the names of the selectors after the first take its place.
+    """
+    grouped: dict[tuple[str, range], list[Part]] = {}
+    for part in parts:
+        if part.joined_span:
+            entry = part.command.entry
+            table = entry.table if entry else "-".join(key.name for key, _ in part.selectors[1:])
+            grouped.setdefault((table, part.joined_span), []).append(part)
+    return grouped
 
 
-def table_key(part: Part) -> TableKey:
-    """The table and the selector bits of a part whose selectors can be read as one number."""
-    entry = part.command.entry
-    return entry.table if entry else "-".join(key.name for key, _ in part.selectors[1:]), part.joined_span
-
-
-def table_names(parts: Iterable[Part]) -> Mapping[TableKey, str]:
+def table_names(parts: Iterable[Part]) -> Mapping[tuple[str, range], str]:
     """A unique name for each table, as in `stored-settings`.
 
     Entries of a table with longer selectors than others need a file of their own. The file with most entries, or with
     the shorter selectors, has the name of the table; another one adds the last word that its entries have in common, or a number.
     """
-    by_table: dict[str, dict[TableKey, list[str]]] = {}
-    for part in parts:
-        if part.joined_span:
-            key = table_key(part)
-            name = part.command.entry.name if part.command.entry else part.command.name
-            by_table.setdefault(key[0], {}).setdefault(key, []).append(name)
-    names: dict[TableKey, str] = {}
-    for table, keys in by_table.items():
-        for i, (key, entries) in enumerate(
-            sorted(keys.items(), key=lambda item: (-len(item[1]), len(item[0][1] or ())))
-        ):
-            ending = [_common_ending(entries) or str(i + 1)] if i else []
+    grouped = parts_of_tables(parts)
+    names: dict[tuple[str, range], str] = {}
+    for table in dict.fromkeys(table for table, _ in grouped):
+        spans = (span for of, span in grouped if of == table)
+        for i, span in enumerate(sorted(spans, key=lambda span: (-len(grouped[table, span]), len(span)))):
+            ending = [_common_ending(grouped[table, span]) or str(i + 1)] if i else []
             name = "-".join([table, *ending]).replace("_", "-")
             numbered = (name if n == 1 else f"{name}-{n}" for n in itertools.count(1))
-            names[key] = next(name for name in numbered if name not in names.values())
+            names[table, span] = next(name for name in numbered if name not in names.values())
     return names
 
 
-def _common_ending(names: Sequence[str]) -> str:
-    last, *further = {name.rpartition("_")[2] for name in names}
+def _common_ending(parts: Sequence[Part]) -> str:
+    named = (part.command.entry or part.command for part in parts)
+    last, *further = {item.name.rpartition("_")[2] for item in named}
     return "" if further else last

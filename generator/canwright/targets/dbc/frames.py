@@ -136,23 +136,16 @@ def _frames(edition: Edition, direction: Direction, commands: Sequence[Command])
     return [_frame(*its_id, parts) for its_id, parts in by_id.items()]
 
 
-def fields_in_id(message: Message) -> Iterator[Field]:
-    return (f for f in message.layout.fields if f.space is Space.ID)
-
-
-def _is_in_id(message: Message, parameter: str) -> bool:
-    """Whether a constant in the id is a parameter."""
-    return any(f.role == ParameterRole(parameter) for f in fields_in_id(message))
-
-
 def obstacle(message: Message) -> str:
     """Why a DBC cannot describe this message; empty if it can."""
     if message.remote:
         return "a remote frame has no data, and a DBC cannot distinguish it from a data frame"
-    unknown = [name for name in message.parameters if message.id.parameter == name or _is_in_id(message, name)]
+    in_id = [field for field in message.layout.fields if field.space is Space.ID]
+    constants = [field.role.parameter for field in in_id if isinstance(field.role, ParameterRole)]
+    unknown = [name for name in message.parameters if name in (message.id.parameter, *constants)]
     if unknown:
         return f"the id contains `{unknown[0]}`, and a DBC has fixed ids only; set it with `--set {unknown[0]}=NUMBER`"
-    varying = [f.name for f in fields_in_id(message) if f.is_given]
+    varying = [field.name for field in in_id if field.is_given]
     return f"the id contains {', '.join(varying)}, and a DBC has fixed ids only" if varying else ""
 
 

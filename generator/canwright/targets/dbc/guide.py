@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -15,9 +15,9 @@ from ..examples import is_usual
 from .comments import ENGLISH, languages
 from .frames import Part, frames, obstacle, unlisted_nodes
 from .limits import LIMITS
-from .names import known_values, prefix
+from .names import prefix
 from .text import number
-from .view import EXTENDED, KIND, File, Message, Signal
+from .view import EXTENDED, KIND, File, Message, Signal, known_values
 
 _HIGHEST_STANDARD_ID = 0x7FF
 
@@ -47,7 +47,8 @@ class Example(NamedTuple):
     @property
     def mark(self) -> str:
         """Between id and data in the notation of can-utils."""
-        return "#" if not self.file.frame_format.is_fd else f"##{int(self.file.frame_format.switches_rate)}"
+        frame_format = self.file.edition.bus.frame_format
+        return f"##{int(frame_format.switches_rate)}" if frame_format.is_fd else "#"
 
 
 class Made(NamedTuple):
@@ -71,7 +72,7 @@ def guide(made: Sequence[Made]) -> Mapping[str, object]:
         "first": first,
         "limits": LIMITS,
         "first_needs_program": any(map(_is_rejected, first.messages)) if first else False,
-        "is_fd": any(file.frame_format.is_fd for product in made for file in product.files),
+        "is_fd": any(file.edition.bus.frame_format.is_fd for product in made for file in product.files),
         "has_ranges": any(s.ranges for p in made for f in p.files for m in f.messages for s in m.signals),
         "reading": best,
         "sending": sending,
@@ -124,51 +125,38 @@ def _section(made: Made) -> Mapping[str, object]:
         "parameters": ", ".join(p.name for p in edition.parameters if p.is_choice and not p.is_numeric) or "for",
         "columns": [file.kind or "requests and replies" for file in next(iter(rows.values()), ())],
         "rows": [(" ".join(values) or "all", row) for values, row in rows.items()],
-        "tables": [(name, _commands(edition, some), some) for name, some in tables.items()],
+        "tables": [
+            (name, dict.fromkeys(c for file in some for c in file.commands), some) for name, some in tables.items()
+        ],
         # parameters that are not set: choices with their values, and factors of scales with an example
         "open_choices": [(p.name, [v.name for v in p.values]) for p in unset if p.is_choice and p.is_numeric],
         "open_numbers": [(p.name, _usual(specification, p)) for p in unset if edition.is_factor(p)],
         "open_ids": [(p.name, _usual(specification, p)) for p in edition.parameters if p.whole and p.name not in known],
-        "lacking": list(_lacking(edition)) if files else (),
+        "lacking": [(kind, *lack) for direction, kind in KIND.items() for lack in _lacking(edition, direction)],
         "excluded": "" if files else ", ".join(f"{name}={value}" for name, value in known.items()),
     }
 
 
-def _commands(edition: Edition, files: Sequence[File]) -> Collection[str]:
-    """The commands of the files of a table, by their names in the spec."""
-    groups = {command.name: command.spec_name for command in edition.commands}
-    selectors = (message.signals[0] for file in files for message in file.messages[:1])
-    return dict.fromkeys(groups[name] for signal in selectors for _, name in signal.values if name in groups)
-
-
-def _lacking(edition: Edition) -> Iterator[tuple[str, str, str]]:
-    """Direction, command and reason of every part of the spec that is missing or incomplete in the files."""
-    for direction, kind in KIND.items():
-        for message in edition.messages(direction):
-            reason = obstacle(message)
-            if reason:
-                yield kind, message.command, f"omitted: {reason}"
-        listed = frames(edition, direction, {})
-        hidden = {name: what for frame in listed for name, what in frame.hidden.items()}
-        for message in edition.messages(direction):
-            if message.name in hidden:
-                what = f"{hidden[message.name]} distinguishes it from the other messages of its id"
-                yield kind, message.command, f"omitted: {what}, which a multiplexor cannot express"
-        for frame in listed:
-            yield from ((kind, frame.parts[0].command.name, text) for text in unlisted_nodes(frame))
-            for part in frame.parts:
-                if len(part.selectors) > 1 and part.joined_span is None:
-                    yield (
-                        kind,
-                        part.command.name,
-                        "its fields are shown as raw bits, because its selectors are not adjacent",
-                    )
-                if part.message.dlc < frame.length:
-                    yield (
-                        kind,
-                        part.command.name,
-                        f"it has {part.message.dlc} bytes, but the file lists {frame.length}, the longest frame on its id",
-                    )
+def _lacking(edition: Edition, direction: Direction) -> Iterator[tuple[str, str]]:
+    """Command and reason of every part of the spec that is missing or incomplete in the files of a direction."""
+    for message in edition.messages(direction):
+        reason = obstacle(message)
+        if reason:
+            yield message.command, f"omitted: {reason}"
+    listed = frames(edition, direction, {})
+    hidden = {name: what for frame in listed for name, what in frame.hidden.items()}
+    for message in edition.messages(direction):
+        if message.name in hidden:
+            what = f"{hidden[message.name]} distinguishes it from the other messages of its id"
+            yield message.command, f"omitted: {what}, which a multiplexor cannot express"
+    for frame in listed:
+        yield from ((frame.parts[0].command.name, text) for text in unlisted_nodes(frame))
+        for part in frame.parts:
+            name, length = part.command.name, part.message.dlc
+            if len(part.selectors) > 1 and part.joined_span is None:
+                yield name, "its fields are shown as raw bits, because its selectors are not adjacent"
+            if length < frame.length:
+                yield name, f"it has {length} bytes, but the file lists {frame.length}, the longest frame on its id"
 
 
 def _examples(specification: EditionInput, files: Sequence[File], direction: Direction) -> Iterator[Example]:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from fractions import Fraction
 from typing import NamedTuple
 
-from ...model.edition import Edition
 from ...model.layout import Element, Field, bits_of, is_one_run, runs_of
 from ...model.message import Direction
-from ...model.types import Assignment
 from .frames import Part
-from .text import camel, number
+from .text import camel
 from .view import KIND
 
 LETTER = {Direction.REPLY: "r", Direction.REQUEST: "c"}
@@ -19,13 +16,6 @@ LETTER = {Direction.REPLY: "r", Direction.REQUEST: "c"}
 
 RAW_UNIT = "raw"
 """Unit of values without a scale, so that raw integers are not mistaken for a quantity."""
-
-
-def known_values(edition: Edition, assignment: Assignment) -> Iterator[str]:
-    """Parameter values in the names of files: a name alone, a number together with the name of its parameter."""
-    for name, value in assignment.items():
-        written = number(value) if isinstance(value, Fraction) else value
-        yield f"{name}_{written}" if edition.parameter(name).is_numeric else written
 
 
 def node_name(address: str, node: int | None) -> str:

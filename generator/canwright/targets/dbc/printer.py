@@ -9,9 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from .sending import SEND_TYPES
-from .text import text
+from .text import number, text
 from .view import File, Message, Signal
 
+_VERSION_LENGTH = 32
+"""A longer VERSION is an error in some readers, and so is a comma in it."""
 _ATTRIBUTES = """\
 BA_DEF_ "BusType" STRING;
 BA_DEF_ "DBName" STRING;
@@ -38,28 +40,32 @@ class _Texts:
     """What the lines of a signal have in common for every node; empty where it has no such line."""
 
     def __init__(self, signal: Signal) -> None:
-        name = f"{signal.name} {signal.mux}" if signal.mux else signal.name
-        numbers = signal.numbers
+        name, numbers = signal.name, signal.numbers
         bits = f"{signal.start}|{len(signal.bits)}@{0 if signal.big_endian else 1}{'-' if numbers.signed else '+'}"
-        limits = f"({numbers.factor},{numbers.offset}) [{numbers.minimum}|{numbers.maximum}]"
-        has_start = numbers.start_value or not float(numbers.minimum) <= 0 <= float(numbers.maximum)
-        values = " ".join(f'{value} "{text(name)}"' for value, name in signal.values)
-        self.signal = f' SG_ {name} : {bits} {limits} "{text(numbers.unit)}"'
-        self.start_value = f"{signal.name} {numbers.start_value}" if has_start else ""
-        self.values = f"{signal.name} {values}" if values else ""
-        self.float_kind = f"{signal.name} : {numbers.float_kind}" if numbers.float_kind else ""
-        self.long_name = f'{signal.name} "{signal.long_name}"' if signal.long_name else ""
+        steps = f"({number(numbers.linear.scale)},{number(numbers.linear.offset)})"
+        limits = f"[{number(numbers.minimum)}|{number(numbers.maximum)}]"
+        has_start = numbers.start_value or not numbers.minimum <= 0 <= numbers.maximum
+        values = " ".join(f'{value} "{text(meaning)}"' for value, meaning in signal.values)
+        self.signal = (
+            f' SG_ {name}{f" {signal.mux}" if signal.mux else ""} : {bits} {steps} {limits} "{text(numbers.unit)}"'
+        )
+        self.start_value = f"{name} {numbers.start_value}" if has_start else ""
+        self.values = f"{name} {values}" if values else ""
+        self.float_kind = f"{name} : {numbers.float_kind}" if numbers.float_kind else ""
+        self.long_name = f'{name} "{signal.whole_name}"' if name != signal.whole_name else ""
 
 
 def printed(file: File) -> str:
     """The file, in the order of sections that the format requires."""
     distinct = {id(message.signals): message.signals for message in file.messages}
-    texts = {number: [_Texts(signal) for signal in signals] for number, signals in distinct.items()}
+    texts = {of: [_Texts(signal) for signal in signals] for of, signals in distinct.items()}
     return "".join(f"{line}\n" for line in _lines(file, [(m, texts[id(m.signals)]) for m in file.messages]))
 
 
 def _lines(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> Iterator[str]:
-    yield f'VERSION "{file.version}"\n\nNS_ :\n\nBS_:\n\nBU_: {" ".join(file.nodes)}\n'
+    digest = file.edition.hash[:12]
+    version = f"{file.edition.name[: _VERSION_LENGTH - len(digest) - 1]} {digest}"
+    yield f'VERSION "{version}"\n\nNS_ :\n\nBS_:\n\nBU_: {" ".join(file.nodes)}\n'
     for message, signals in messages:
         receivers = ",".join(message.receivers)
         yield f"BO_ {message.id} {message.name}: {message.length} {message.senders[0]}"
@@ -94,27 +100,28 @@ def _ranges(messages: Sequence[Message]) -> Iterator[str]:
 def _attributes(file: File, messages: Sequence[tuple[Message, Sequence[_Texts]]]) -> Iterator[str]:
     """The attributes with their definitions and defaults, but for start values."""
     send_types = list(dict.fromkeys((*SEND_TYPES, *(m.send_type for m in file.messages if m.send_type))))
-    formats = _FD_FRAME_FORMATS if file.frame_format.is_fd else _FRAME_FORMATS
+    frame_format = file.edition.bus.frame_format
+    formats = _FD_FRAME_FORMATS if frame_format.is_fd else _FRAME_FORMATS
     long_names = [
-        *(("BO_", f'{message.id} "{message.long_name}"') for message in file.messages if message.long_name),
+        *(("BO_", f'{m.id} "{m.whole_name}"') for m in file.messages if m.name != m.whole_name),
         *(("SG_", f"{m.id} {texts.long_name}") for m, signals in messages for texts in signals if texts.long_name),
     ]
     kinds = dict.fromkeys(kind for kind, _ in long_names)
     definitions = [f'BA_DEF_ {kind} "{_LONG_NAMES[kind]}" STRING;\n' for kind in kinds]
     defaults = [f'BA_DEF_DEF_ "{_LONG_NAMES[kind]}" "";\n' for kind in kinds]
-    if file.frame_format.is_fd:
+    if frame_format.is_fd:
         definitions.append('BA_DEF_ BO_ "CANFD_BRS" ENUM "0","1";\n')
-        defaults.append(f'BA_DEF_DEF_ "CANFD_BRS" "{int(file.frame_format.switches_rate)}";\n')
+        defaults.append(f'BA_DEF_DEF_ "CANFD_BRS" "{int(frame_format.switches_rate)}";\n')
     yield _ATTRIBUTES.format(
         send_types=_listed(send_types),
         frame_formats=_listed(formats),
-        bus_type="CAN FD" if file.frame_format.is_fd else "CAN",
+        bus_type="CAN FD" if frame_format.is_fd else "CAN",
         definitions="".join(definitions),
         defaults="".join(defaults),
     )
     yield f'BA_ "DBName" "{text(file.name)}";'
     for message in file.messages:
-        if message.extended or file.frame_format.is_fd:
+        if message.extended or frame_format.is_fd:
             yield f'BA_ "VFrameFormat" BO_ {message.id} {len(formats) - (1 if message.extended else 2)};'
     yield from (f'BA_ "{_LONG_NAMES[kind]}" {kind} {name};' for kind, name in long_names)
     for message in file.messages:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import NamedTuple
 
 from ...model import formatting
 from ...model.exhaustive import assert_never
@@ -30,22 +29,14 @@ from ...semantics.valid_raws import FiniteFloats, NamedRaws, RawInterval, ValidR
 from .comments import Comments
 from .frames import Part, is_shown_by
 from .names import LETTER, RAW_UNIT, SignalBits, adjacent, reserved_name, signal_name, signals_of
-from .text import any_text, number
-from .view import Numbers, Signal, fitted
+from .text import any_text
+from .view import Numbers, Signal
 
 MAX_NAMED = 16
 """So many raw integers of one name for no value are listed."""
 
+_ZERO = Numbers(Fraction(0), Fraction(0))
 _FLOAT_KINDS = {32: 1, 64: 2}
-
-
-class _Reading(NamedTuple):
-    """Properties of all signals of a type; `step` is a sentence on the scale of a signal that stays raw."""
-
-    linear: Linear
-    unit: str
-    numbers: Numbers
-    step: str
 
 
 class Signals:
@@ -57,17 +48,10 @@ class Signals:
         self._numbers = numbers
         self._comments = comments
         self._messages: dict[tuple[object, ...], Sequence[Signal]] = {}
-        self._readings: dict[tuple[object, ...], _Reading] = {}
+        self._readings: dict[tuple[object, ...], tuple[Numbers, str]] = {}
 
-    def of(self, parts: Sequence[Part], assignment: Assignment) -> tuple[Signal, ...]:
+    def of(self, parts: Sequence[Part], assignment: Assignment) -> Iterator[Signal]:
         """All signals of a frame; the first selector identifies the message."""
-        return fitted(self._of(parts, assignment))
-
-    def joined(self, parts: Sequence[Part], assignment: Assignment, span: range) -> tuple[Signal, ...]:
-        """All signals of a frame; its selectors are the bits of `span`, read as one number."""
-        return fitted(self._joined(parts, assignment, span))
-
-    def _of(self, parts: Sequence[Part], assignment: Assignment) -> Iterator[Signal]:
         if not parts[0].selectors:
             for part in parts:
                 yield from self._message(part, assignment, "")
@@ -105,7 +89,8 @@ class Signals:
         for signal in self._message(part, assignment, f"m{runs[0][0]}", range(bits[0], bits[-1] + 1)):
             yield signal._replace(ranges=ranges)
 
-    def _joined(self, parts: Sequence[Part], assignment: Assignment, span: range) -> Iterator[Signal]:
+    def joined(self, parts: Sequence[Part], assignment: Assignment, span: range) -> Iterator[Signal]:
+        """All signals of a frame; its selectors are the bits of `span`, read as one number."""
         by_value = {part.joined_value(span): part for part in parts}
         name = "_".join((self._letter, *(key.name for key, _ in parts[0].selectors)))
         names = _names((value, part.command.name, part.code) for value, part in by_value.items())
@@ -164,7 +149,7 @@ class Signals:
     def _unused(self, name: str, mux: str, bits: Sequence[int], comment: str, order: Order = Order.LITTLE) -> Signal:
         """Bits that are sent as 0; a decoder accepts any."""
         bare = _bare(name, mux, bits, comment, order)
-        return bare._replace(numbers=Numbers("0", "0")) if self._direction is Direction.REQUEST else bare
+        return bare._replace(numbers=_ZERO) if self._direction is Direction.REQUEST else bare
 
     def _field(
         self, part: Part, known: Assignment, mux: str, field: Field, element: Element, about: Sequence[str]
@@ -174,25 +159,25 @@ class Signals:
         title = comments.of(part.command.title)
         which = f"{comments.of(field.title)} {'' if element.index is None else element.index}".strip()
         is_included = comments.labelled("", title).lower().endswith(comments.labelled("", which).lower())
-        reading = self._reading(type_, known)
+        numbers, step = self._reading(type_, known)
         sentences = [
             title if is_included else comments.labelled(title, which),
             comments.deprecation(field.deprecated),
             comments.of(field.about) or comments.of(type_.about),
             *(comments.deprecation(m.deprecated, m.name) for m in (*type_.enum, *type_.no_values, *type_.names)),
             *(comments.fixed("nan", means=no_value.name) for no_value in type_.no_values if no_value.is_nan),
-            reading.step,
+            step,
             comments.in_manual(field.manual_name),
             *about,
             *self._of_role(field.role),
         ]
         sent = message_plan(part.message).sent.get(field)
-        signal = Signal(signal_name(part, field, element), mux, element.bits, type_.order, "", reading.numbers)
+        signal = Signal(signal_name(part, field, element), mux, element.bits, type_.order, "", numbers)
         runs = list(signals_of(field, element))
         if runs[0].ending and not type_.flags:
-            yield from self._parts(signal, sentences, runs, reading, type_, sent)
+            yield from self._parts(signal, sentences, runs, type_, sent)
         elif sent is not None:
-            numbers = self._integers(type_, reading.linear, reading.unit, (sent, sent))
+            numbers = self._integers(type_, numbers.linear, numbers.unit, (sent, sent))
             yield signal._replace(comment=comments.sentences(sentences), numbers=numbers._replace(start_value=sent))
         elif not field.is_given:
             yield signal._replace(comment=comments.sentences(sentences))
@@ -224,16 +209,11 @@ class Signals:
                 assert_never(role)
 
     def _parts(
-        self,
-        whole: Signal,
-        sentences: Sequence[str],
-        runs: Sequence[SignalBits],
-        reading: _Reading,
-        of: Type,
-        sent: int | None,
+        self, whole: Signal, sentences: Sequence[str], runs: Sequence[SignalBits], of: Type, sent: int | None
     ) -> Iterator[Signal]:
         """One signal for each run of bits of a number: the value is the sum of their values."""
-        names = [whole.name + run.ending for run in runs]
+        names = [whole.whole_name + run.ending for run in runs]
+        scale, offset = whole.numbers.linear.scale, whole.numbers.linear.offset
         summed = self._comments.fixed("summed", signals=self._comments.listed(names))
         comment = self._comments.sentences([*sentences, summed])
         for name, run in zip(names, runs, strict=True):
@@ -243,18 +223,15 @@ class Signals:
             if sent is not None:
                 raw = sent >> low if is_top else sent >> low & (1 << width) - 1
                 ends = raw, raw
-            scale, offset = reading.linear.scale * (1 << low), reading.linear.offset if low == 0 else Fraction(0)
-            lowest, highest = sorted(end * scale + offset for end in ends)
-            start_value = 0 if sent is None else ends[0]
-            steps = number(scale), number(offset)
-            numbers = Numbers(number(lowest), number(highest), *steps, reading.unit, is_top, start_value)
-            yield whole._replace(name=name, bits=run.bits, comment=comment, numbers=numbers)
+            linear = Linear(scale * (1 << low), Fraction(0) if low else offset)
+            numbers = _integers(ends, linear, whole.numbers.unit, is_top, 0 if sent is None else ends[0])
+            yield whole._replace(whole_name=name, bits=run.bits, comment=comment, numbers=numbers)
 
     def _flags(self, whole: Signal, sentences: Sequence[str], runs: Iterable[SignalBits], of: Type) -> Iterator[Signal]:
         """One signal for each flag, and one for each run of bits without a name, so that no bit is missing."""
         named = {flag.name: flag for flag in of.flags}
         for run in runs:
-            name = whole.name + run.ending
+            name = whole.whole_name + run.ending
             if run.flag:
                 flag = named[run.flag]
                 about = [self._comments.of(flag.title), self._comments.deprecation(flag.deprecated)]
@@ -264,7 +241,8 @@ class Signals:
                 comment = self._comments.sentences([*sentences, self._comments.fixed("unnamed_bits")])
                 yield self._unused(name, whole.mux, run.bits, comment, whole.order)
 
-    def _reading(self, type_: Type, known: Assignment) -> _Reading:
+    def _reading(self, type_: Type, known: Assignment) -> tuple[Numbers, str]:
+        """The numbers of all signals of a type; a sentence on the scale of a signal that stays raw."""
         key = (type_, *known.items())
         if key not in self._readings:
             line = type_.linear.at(known)
@@ -276,7 +254,7 @@ class Signals:
                 numbers = self._floats(type_, linear, unit, valid.scaled)
             else:
                 numbers = self._integers(type_, linear, unit, self._ends(type_, valid))
-            self._readings[key] = _Reading(linear, unit, numbers, step)
+            self._readings[key] = numbers, step
         return self._readings[key]
 
     def _ends(self, type_: Type, valid: ValidRaws) -> tuple[int, int]:
@@ -297,21 +275,17 @@ class Signals:
     def _integers(self, type_: Type, linear: Linear, unit: str, valid: tuple[int, int]) -> Numbers:
         """The numbers of an integer signal: the valid ones for an encoder; a decoder accepts all bit patterns."""
         limits = valid if self._direction is Direction.REQUEST else type_.raw_limits
-        low, high = sorted(end * linear.scale + linear.offset for end in limits)
         start_value = 0 if limits[0] <= 0 <= limits[1] else limits[0]
-        steps = number(linear.scale), number(linear.offset)
-        return Numbers(number(low), number(high), *steps, unit, type_.encoding is Encoding.SIGNED, start_value)
+        return _integers(limits, linear, unit, type_.encoding is Encoding.SIGNED, start_value)
 
     def _floats(self, type_: Type, linear: Linear, unit: str, scaled: Range | None) -> Numbers:
         """The numbers of a float signal; it starts with 0, or with the first integer in its range."""
         low, high = (self._end(scaled.low), self._end(scaled.high)) if scaled else (None, None)
-        limits, start_value = ("0", "0"), 0
+        numbers = _ZERO
         if self._direction is Direction.REQUEST and low is not None and high is not None:
-            limits = (number(low), number(high))
             first, last = sorted((end - linear.offset) / linear.scale for end in (low, high))
-            start_value = 0 if first <= 0 <= last else math.ceil(first)
-        steps = number(linear.scale), number(linear.offset)
-        return Numbers(*limits, *steps, unit, True, start_value, _FLOAT_KINDS[type_.width])
+            numbers = Numbers(low, high, start_value=0 if first <= 0 <= last else math.ceil(first))
+        return numbers._replace(linear=linear, unit=unit, signed=True, float_kind=_FLOAT_KINDS[type_.width])
 
     def _step(self, type_: Type, line: Linear) -> str:
         """The scale of a signal that stays raw because its scale is a multiple of a parameter that is not set."""
@@ -347,7 +321,13 @@ def _listed(raws: range) -> Sequence[int]:
 
 def _bare(name: str, mux: str, bits: Sequence[int], comment: str, order: Order = Order.LITTLE) -> Signal:
     """A signal without a type: plain bits."""
-    return Signal(name, mux, tuple(bits), order, comment, Numbers("0", str((1 << len(bits)) - 1)))
+    return Signal(name, mux, tuple(bits), order, comment, Numbers(Fraction(0), Fraction((1 << len(bits)) - 1)))
+
+
+def _integers(ends: tuple[int, int], linear: Linear, unit: str, signed: bool, start_value: int) -> Numbers:
+    """The numbers of a signal with the raw integers between two ends."""
+    low, high = sorted(end * linear.scale + linear.offset for end in ends)
+    return Numbers(low, high, linear, unit, signed, start_value)
 
 
 def _shared_name(parts: Sequence[Part]) -> str:

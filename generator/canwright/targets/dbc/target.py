@@ -76,12 +76,12 @@ class DbcTarget(Target):
         parts = [part for direction in KIND for frame in frames(edition, direction, {}) for part in frame.parts]
         first = {part.message.address: part.message.id.nodes[0] for part in parts if part.message.id.nodes}
         yield from ((("addresses", address), fitting(node_name(address, node))) for address, node in first.items())
-        existing = {signal.whole_name: signal.name for signal in signals_of_files(edition)}
+        existing = {signal.whole_name for signal in signals_of_files(edition)}
         for part in parts:
             for field in part.message.layout.fields:
                 for path, name in _signals(part, field):
                     if path and name in existing:
-                        yield path, existing[name]
+                        yield path, fitting(name)
                         for key in ("enum", "no_value", "names"):
                             members = field.type.members_by_key[key]
                             yield from (((*field.type.path, key, m.name), m.name) for m in members)

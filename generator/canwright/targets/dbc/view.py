@@ -1,15 +1,16 @@
-"""The parts of a DBC file, with all numbers as text."""
+"""The parts of a DBC file."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
+from ...model.edition import Edition
 from ...model.message import Direction
-from ...model.metadata import FrameFormat
-from ...model.types import Order
-from .text import NAME_LENGTH, fitting
+from ...model.types import IDENTITY, Assignment, Linear, Order
+from .text import fitting, number
 
 KIND = {Direction.REPLY: "reply", Direction.REQUEST: "command"}
 """Direction as it appears in names of files and messages."""
@@ -19,12 +20,11 @@ EXTENDED = 1 << 31
 
 
 class Numbers(NamedTuple):
-    """The numbers of a signal as text, their unit, and attributes."""
+    """The limits of a signal, its scale and unit, and attributes."""
 
-    minimum: str
-    maximum: str
-    factor: str = "1"
-    offset: str = "0"
+    minimum: Fraction
+    maximum: Fraction
+    linear: Linear = IDENTITY
     unit: str = ""
     signed: bool = False
     start_value: int = 0
@@ -38,7 +38,8 @@ class Signal(NamedTuple):
     `mux` is empty, `M`, or `m` and a selector value, the first of all if it has `ranges`; `bits` are in the data, least significant bit first.
     """
 
-    name: str
+    whole_name: str
+    """The name in readers that show long names."""
     mux: str
     bits: tuple[int, ...]
     order: Order
@@ -47,13 +48,10 @@ class Signal(NamedTuple):
     values: tuple[tuple[int, str], ...] = ()
     ranges: tuple[range, ...] = ()
     """The selector values, where a message has those that the others of its id leave; otherwise empty."""
-    long_name: str = ""
-    """The whole name, if `name` is a shorter one."""
 
     @property
-    def whole_name(self) -> str:
-        """The name in readers that show long names."""
-        return self.long_name or self.name
+    def name(self) -> str:
+        return fitting(self.whole_name)
 
     @property
     def start(self) -> int:
@@ -68,7 +66,8 @@ class Message(NamedTuple):
     """A BO_ line with its signals. `id` has bit 31 set if it is a 29-bit id."""
 
     id: int
-    name: str
+    whole_name: str
+    """The name in readers that show long names."""
     length: int
     shortest: int
     """Length of the shortest frame with this id."""
@@ -80,13 +79,10 @@ class Message(NamedTuple):
     """When the frame is sent; empty if that is not stated, or not the same for all messages of the id."""
     cycle_ms: int = 0
     """The period in whole milliseconds; 0 without one."""
-    long_name: str = ""
-    """The whole name, if `name` is a shorter one."""
 
     @property
-    def whole_name(self) -> str:
-        """The name in readers that show long names."""
-        return self.long_name or self.name
+    def name(self) -> str:
+        return fitting(self.whole_name)
 
     @property
     def extended(self) -> bool:
@@ -97,43 +93,55 @@ Named = TypeVar("Named", Signal, Message)
 
 
 def fitted(views: Iterable[Named]) -> tuple[Named, ...]:
-    """The signals of a message, or the messages of a file, with unique names that readers accept.
-
-    The second of two items with the same whole name gets a number.
-    """
+    """The signals of a message, or the messages of a file; the second of two with the same name gets a number."""
     by_name: dict[str, Named] = {}
     for view in views:
-        numbered = (view.name if n == 1 else f"{view.name}_{n}" for n in itertools.count(1))
+        numbered = (view.whole_name if n == 1 else f"{view.whole_name}_{n}" for n in itertools.count(1))
         whole_name = next(name for name in numbered if fitting(name) not in by_name)
-        name = fitting(whole_name)
-        long_name = whole_name if len(whole_name) > NAME_LENGTH else ""
-        by_name[name] = view if name == view.name else view._replace(name=name, long_name=long_name)
+        by_name[fitting(whole_name)] = view._replace(whole_name=whole_name)
     return tuple(by_name.values())
 
 
+def known_values(edition: Edition, assignment: Assignment) -> Iterator[str]:
+    """Parameter values in the names of files: a name alone, a number together with the name of its parameter."""
+    for name, value in assignment.items():
+        written = number(value) if isinstance(value, Fraction) else value
+        yield f"{name}_{written}" if edition.parameter(name).is_numeric else written
+
+
 class File(NamedTuple):
-    """One DBC file. `directions` are those it describes; `known` are the parameter values it is valid for.
+    """One DBC file. `directions` are those it describes; it is valid for the parameter values of `assignment`.
 
     `table` names the table whose selectors are read as one number; it is empty in a file of the first selector.
+    `commands` are those of its messages, by their names in the spec.
     `variant` are the words of the name for what the user selected.
     """
 
-    edition: str
-    known: tuple[str, ...]
+    edition: Edition
+    assignment: Assignment
     directions: tuple[Direction, ...]
     table: str
+    commands: tuple[str, ...]
     variant: tuple[str, ...]
-    version: str
     comment: str
     nodes: tuple[str, ...]
     messages: tuple[Message, ...]
-    frame_format: FrameFormat
 
     @property
     def name(self) -> str:
-        return "-".join(filter(None, (self.edition, *self.known, self.kind, self.table, *self.variant)))
+        words = (*self.known, self.kind, self.table, *self.variant)
+        return "-".join(filter(None, (self.edition.family, self.edition.name, *words)))
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """The parameter values in the name of the file."""
+        return tuple(known_values(self.edition, self.assignment))
 
     @property
     def kind(self) -> str:
         """The direction in the name of the file; empty if it describes both."""
         return KIND[self.directions[0]] if len(self.directions) == 1 else ""
+
+    def agrees(self, assignment: Assignment) -> bool:
+        """Whether the file is valid for these parameter values, as far as they are given."""
+        return all(assignment.get(name, value) == value for name, value in self.assignment.items())
