@@ -6,7 +6,6 @@ import functools
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import NamedTuple
 
 from ...model.edition import Edition
 from ...model.message import Direction
@@ -61,15 +60,8 @@ def stems(edition: Edition) -> Iterator[str]:
     return ("-".join((name, *known_values(edition, assignment))) for assignment in _assignments(edition, {}))
 
 
-class _Content(NamedTuple):
-    """A frame with its signals."""
-
-    frame: Frame
-    signals: tuple[Signal, ...]
-
-    @property
-    def direction(self) -> Direction:
-        return self.frame.parts[0].message.direction
+_Content = tuple[Frame, tuple[Signal, ...]]
+"""A frame with its signals."""
 
 
 class _Files:
@@ -116,16 +108,16 @@ class _Files:
         for direction in group:
             signals = self._signals[direction]
             for frame in frames(self._edition, direction, assignment):
-                yield "", _Content(frame, fitted(signals.of(frame.parts, assignment)))
+                yield "", (frame, fitted(signals.of(frame.parts, assignment)))
                 for key, parts in parts_of_tables(frame.parts).items():
                     of_table = frame._replace(parts=tuple(parts))
-                    yield self._tables[key], _Content(of_table, fitted(signals.joined(parts, assignment, key[1])))
+                    yield self._tables[key], (of_table, fitted(signals.joined(parts, assignment, key[1])))
 
     def _file(
         self, group: tuple[Direction, ...], assignment: Assignment, table: str, contents: Sequence[_Content]
     ) -> Iterator[File]:
         """A file with these frames; none without messages."""
-        messages = fitted(message for content in contents for message in self._messages(content, len(group) > 1))
+        messages = fitted(message for content in contents for message in self._messages(*content, len(group) > 1))
         ends = [end for message in messages for end in (*message.senders, *message.receivers) if end != _NO_NODE]
         if messages:
             yield File(
@@ -133,16 +125,16 @@ class _Files:
                 assignment=assignment,
                 directions=group,
                 table=table,
-                commands=tuple(dict.fromkeys(p.command.spec_name for content in contents for p in content.frame.parts)),
+                commands=tuple(dict.fromkeys(part.command.spec_name for frame, _ in contents for part in frame.parts)),
                 variant=tuple(self._variant()),
                 comment=self._about(assignment, group, table),
                 nodes=tuple(dict.fromkeys((self._host, *ends))),
                 messages=messages,
             )
 
-    def _messages(self, content: _Content, with_direction: bool) -> Iterator[Message]:
+    def _messages(self, frame: Frame, signals: tuple[Signal, ...], with_direction: bool) -> Iterator[Message]:
         """One message for each node, named by direction and a code in the id, or by the command if there is no selector."""
-        frame, first = content.frame, content.frame.parts[0]
+        first = frame.parts[0]
         selected, of_both, alone = message_endings(first)
         is_of_both = with_direction and first.command.request and first.command.reply
         ending = selected if first.selectors else of_both if is_of_both else alone
@@ -153,7 +145,7 @@ class _Files:
             if node is None:
                 ends = (end for part in frame.parts for end in partners(self._edition, part, self._nodes))
                 nodes = tuple(dict.fromkeys(fitting(node_name(*end)) for end in ends)) or (_NO_NODE,)
-            is_request = content.direction is Direction.REQUEST
+            is_request = frame.direction is Direction.REQUEST
             yield Message(
                 id=id_,
                 whole_name=f"{name}_{ending}",
@@ -161,19 +153,19 @@ class _Files:
                 shortest=frame.shortest,
                 senders=(self._host,) if is_request else nodes,
                 receivers=nodes if is_request else (self._host,),
-                comment=self._comment(content, id_ in self._shared),
-                signals=content.signals,
+                comment=self._comment(frame, id_ in self._shared),
+                signals=signals,
                 send_type=send_type,
                 cycle_ms=cycle_ms,
             )
 
-    def _comment(self, content: _Content, is_shared: bool) -> str:
-        comments, first = self._comments, content.frame.parts[0]
+    def _comment(self, frame: Frame, is_shared: bool) -> str:
+        comments, first = self._comments, frame.parts[0]
         address = self._edition.address(first.message.address)
         about = comments.of(first.command.title if not first.selectors else address.title)
-        warning = comments.fixed("same_id", other=comments.fixed(KIND[_OTHER[content.direction]]))
-        kind = comments.fixed(KIND[content.direction])
-        times = sending.sentences(content.frame, comments)
+        warning = comments.fixed("same_id", other=comments.fixed(KIND[_OTHER[frame.direction]]))
+        kind = comments.fixed(KIND[frame.direction])
+        times = sending.sentences(frame, comments)
         return comments.sentences([comments.labelled(about, kind), *times, warning if is_shared else ""])
 
     def _variant(self) -> Iterator[str]:

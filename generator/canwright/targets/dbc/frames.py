@@ -92,6 +92,10 @@ class Frame(NamedTuple):
     shortest: int
 
     @property
+    def direction(self) -> Direction:
+        return self.parts[0].message.direction
+
+    @property
     def length(self) -> int:
         """The length of the longest message that is shown."""
         return max(part.message.dlc for part in self.parts)
