@@ -2,7 +2,7 @@
 
 /** What the generated functions of editions share: checks of frames and of what is given, and messages. */
 
-import { rational } from "./canwright-numbers.js";
+import { compare, rational } from "./canwright-numbers.js";
 import { CodecError, FieldType, own, rejection } from "./canwright-types.js";
 
 export { CodecError };
@@ -50,176 +50,62 @@ export class Numbering {
   }
 }
 
-/** The functions of an edition; see `Edition` in canwright-codec.d.ts for its members. */
-export function createEdition(parts) {
-  const codec = new Codec(parts);
-  const edition = {
-    FAMILY: parts.family,
-    EDITION: parts.edition,
-    SPEC_HASH: parts.hash,
-    REPLY_WITHIN_MS: parts.replyWithin,
-    PARAMETERS: frozen(parts.parameters),
-    MESSAGES: frozen(parts.messages.map((message) => message.description)),
-    decodeRequest: codec.decoder("request"),
-    decodeReply: codec.decoder("reply"),
-    decodeAs: (direction, command, frame, parameters) => codec.decodeAs(direction, command, frame, parameters),
-    decodeAnswer: (request, given, parameters) => {
-      const [frame, known] = [checkedFrame(given), codec.known(parameters)];
-      return codec.answer(request.frame, frame, known).decode(frame, known);
-    },
-    join: (replies, field, last) => codec.join(replies, field, last),
-    checkReply: (request, reply, parameters) => {
-      codec.answer(request, checkedFrame(reply), codec.known(parameters));
-    },
-    candidates: (frame, parameters) => codec.candidates(frame, codec.known(parameters)),
-    rawOf: (direction, command, field, value, parameters) => codec.rawOf(direction, command, field, value, parameters),
-    allows: (direction, command, field, raw, parameters) => codec.allows(direction, command, field, raw, parameters),
-    encodeRequest: (command, given) => codec.encode("request", command, given),
-    encodeReply: (command, given) => codec.encode("reply", command, given),
-  };
-  return Object.freeze(edition);
-}
+/** The functions of an edition; its module declares them. */
+export class Edition {
+  #routes;
+  #ofCommand = { request: new Map(), reply: new Map() };
+  #explained;
+  #names = []; // of the parameters of the last call, with their values, and what `#known` made of them
+  #values = [];
+  #lastKnown = NOTHING;
 
-class Codec {
-  constructor({ family, edition, parameters, messages, explained, answers, requests, replies }) {
-    Object.assign(this, { parameters, explained });
-    const routes = (each) => each.map((route) => ({ rule: new IdRule(route.rule), message: route.message }));
-    this.routes = { request: routes(requests), reply: routes(replies) };
-    this.ofCommand = { request: new Map(), reply: new Map() };
+  constructor({ family, edition, hash, replyWithin, parameters, messages, explained, answers, requests, replies }) {
+    const routes = (each) => each.map(({ rule, message }) => ({ rule: new IdRule(rule), message }));
+    this.#routes = { request: routes(requests), reply: routes(replies) };
+    this.#explained = explained;
     for (const message of messages) {
       Object.assign(message, { family, edition });
-      this.ofCommand[message.direction].set(message.command, message);
+      this.#ofCommand[message.direction].set(message.command, message);
     }
-    this.names = []; // of the parameters of the last call, with their values, and what `known` made of them
-    this.values = [];
-    this.lastKnown = NOTHING;
-    this.answers = new Map(messages.map((message) => [message, []]));
     for (const plan of answers) {
-      const plans = this.answers.get(plan.request);
-      if (!plans.length) {
-        this.ofCommand.reply.set(plan.request.command, plan.reply);
-      }
+      const { command, answers: plans } = plan.request;
       plans.push(plan);
+      this.#ofCommand.reply.set(command, plans[0].reply);
     }
+    this.FAMILY = family;
+    this.EDITION = edition;
+    this.SPEC_HASH = hash;
+    this.REPLY_WITHIN_MS = replyWithin;
+    this.PARAMETERS = frozen(parameters);
+    this.MESSAGES = frozen(messages.map((message) => message.description));
+    Object.freeze(this);
   }
 
-  /** Parameters as the functions of messages need them; the same object for equal ones. Throws TypeError for an unknown one, RangeError for a value that it cannot have. */
-  known(parameters = NOTHING) {
-    const names = Object.keys(parameters);
-    const isSame = (name, i) => name === this.names[i] && parameters[name] === this.values[i];
-    if (names.length !== this.names.length || !names.every(isSame)) {
-      this.lastKnown = this.checked(parameters);
-      this.names = names;
-      this.values = Object.values(parameters);
-    }
-    return this.lastKnown;
-  }
+  decodeRequest = this.#decoder("request");
+  decodeReply = this.#decoder("reply");
 
-  checked(parameters) {
-    const known = Object.create(null); // a parameter can have the name of a property of every object
-    for (const [name, value] of Object.entries(parameters)) {
-      const parameter = own(this.parameters, name);
-      if (!parameter) {
-        throw new TypeError(`there is no parameter ${JSON.stringify(name)}`);
-      }
-      if (value !== undefined && value !== null) {
-        known[name] = parameter.values ? choice(parameter, name, value) : number(parameter, name, value);
-      }
-    }
-    return Object.freeze(known);
-  }
-
-  /** The message of a frame, or the error if it is none. */
-  identify(direction, frame, parameters) {
-    const routes = this.routes[direction];
-    for (const { rule, message } of routes) {
-      if (rule.node(frame, parameters) !== undefined) {
-        return message(frame);
-      }
-    }
-    const unknown = routes.find(({ rule }) => rule.isOfKind(frame) && rule.offset(parameters) === undefined);
-    if (unknown) {
-      return rejection("missing_parameter", () => [`${hex(frame.id)} may be an id with the parameter ${unknown.rule.parameter}, which is not given`]);
-    }
-    return unknownId(direction, frame);
-  }
-
-  /** The function that decodes frames of one direction. It throws errors itself: each call between takes time. */
-  decoder(direction) {
-    return (given, parameters) => {
-      const [frame, known] = [checkedFrame(given), this.known(parameters)];
-      const message = this.identify(direction, frame, known);
-      if (message instanceof CodecError) {
-        throw message;
-      }
-      return message.decode(frame, known);
-    };
-  }
-
-  decodeAs(direction, command, given, parameters) {
+  decodeAs = (direction, command, given, parameters) => {
     const frame = checkedFrame(given);
-    const [message, known] = [this.message(direction, command), this.known(parameters)];
+    const [message, known] = [this.#message(direction, command), this.#known(parameters)];
     const wrong = message.difference(frame, known);
     if (wrong) {
-      throw rejection(wrong.refusal, () => [wrong.text]);
+      throw wrong;
     }
     return message.decode(frame, known);
-  }
+  };
 
-  message(direction, command) {
-    const message = this.ofCommand[direction]?.get(command);
-    if (!message) {
-      throw new TypeError(`there is no ${direction} of ${JSON.stringify(command)}`);
-    }
-    return message;
-  }
+  decodeAnswer = (request, given, parameters) => {
+    const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+    return this.#answer(request.frame, frame, known).decode(frame, known);
+  };
 
-  encode(direction, command, content = NOTHING) {
-    const [message, known] = [this.message(direction, command), this.known(content.parameters)];
-    return message.decode(message.write(new Given(message, content, known), known), known);
-  }
-
-  rawOf(direction, command, name, value, parameters) {
-    const known = this.known(parameters);
-    return this.field(direction, command, name, known).given(value, known, true);
-  }
-
-  allows(direction, command, name, raw, parameters) {
-    const known = this.known(parameters);
-    return this.field(direction, command, name, known).allows(raw, known);
-  }
-
-  field(direction, command, name, known) {
-    const field = this.message(direction, command).fields(known).find((candidate) => candidate.name === name);
-    if (!field) {
-      throw new TypeError(`the ${direction} of ${command} has no field ${JSON.stringify(name)}`);
-    }
-    return field;
-  }
-
-  /** The message that a frame is as the reply to a request. Throws CodecError if it is none. */
-  answer(givenRequest, frame, parameters) {
-    const request = checkedFrame(givenRequest);
-    const message = this.identify("request", request, parameters);
-    if (message instanceof CodecError) {
-      throw message;
-    }
-    message.check(request);
-    let first;
-    for (const plan of this.answers.get(message)) {
-      const reason = reasonAgainst(plan, request, frame, parameters);
-      if (reason === "") {
-        return plan.reply;
-      }
-      first ??= reason;
-    }
-    throw rejection("not_answer", () => [first ?? `${message.command} has no reply`]);
-  }
+  checkReply = (request, reply, parameters) => {
+    this.#answer(request, checkedFrame(reply), this.#known(parameters));
+  };
 
   /** The values of a field of a reply of several frames, in the order of their numbers; those of arrays in one array. */
-  join(replies, field, last) {
-    const message = this.ofCommand.reply.get(replies[0]?.command);
-    const { frames } = message ?? {};
+  join = (replies, field, last) => {
+    const { frames } = this.#ofCommand.reply.get(replies[0]?.command) ?? {};
     if (!frames) {
       throw new RangeError("there are no frames of a reply of several frames");
     }
@@ -230,33 +116,139 @@ class Codec {
       throw new RangeError(missing === undefined ? "a frame is unexpected or given twice" : `frame ${missing} is missing`);
     }
     return numbers.flatMap((number) => byNumber.get(number).values[field]);
-  }
+  };
 
-  candidates(given, parameters) {
-    const frame = checkedFrame(given);
-    const explained = this.explained.filter((message) => !message.difference(frame, parameters));
-    const found = [this.identify("reply", frame, parameters), ...explained, this.identify("request", frame, parameters)];
+  candidates = (given, parameters) => {
+    const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+    const explained = this.#explained.filter((message) => !message.difference(frame, known));
+    const found = [this.#identify("reply", frame, known), ...explained, this.#identify("request", frame, known)];
     const candidates = new Set(found.filter((message) => message instanceof Definition));
-    return Object.freeze(Array.from(candidates, (message) => Object.freeze({ direction: message.direction, command: message.command, node: message.nodeOf(frame, parameters) })));
+    return Object.freeze(Array.from(candidates, (message) => Object.freeze({ direction: message.direction, command: message.command, node: message.nodeOf(frame, known) })));
+  };
+
+  rawOf = (direction, command, name, value, parameters) => {
+    const known = this.#known(parameters);
+    return this.#field(direction, command, name, known).given(value, known, true);
+  };
+
+  /** Whether a sender can send a raw integer of a field; for tools. */
+  allows = (direction, command, name, raw, parameters) => {
+    const known = this.#known(parameters);
+    return this.#field(direction, command, name, known).allows(raw, known);
+  };
+
+  encodeRequest = (command, given) => this.#encode("request", command, given);
+  encodeReply = (command, given) => this.#encode("reply", command, given);
+
+  /** Parameters as the functions of messages need them; the same object for equal ones. Throws TypeError for an unknown one, RangeError for a value that it cannot have. */
+  #known(parameters = NOTHING) {
+    const names = Object.keys(parameters);
+    const isSame = (name, i) => name === this.#names[i] && parameters[name] === this.#values[i];
+    if (names.length !== this.#names.length || !names.every(isSame)) {
+      this.#lastKnown = this.#checked(parameters);
+      this.#names = names;
+      this.#values = Object.values(parameters);
+    }
+    return this.#lastKnown;
+  }
+
+  #checked(parameters) {
+    const known = Object.create(null); // a parameter can have the name of a property of every object
+    for (const [name, value] of Object.entries(parameters)) {
+      const parameter = own(this.PARAMETERS, name);
+      if (!parameter) {
+        throw new TypeError(`there is no parameter ${JSON.stringify(name)}`);
+      }
+      if (value !== undefined && value !== null) {
+        known[name] = checkedValue(parameter, name, value);
+      }
+    }
+    return Object.freeze(known);
+  }
+
+  /** The message of a frame, or the error if it is none. */
+  #identify(direction, frame, parameters) {
+    const routes = this.#routes[direction];
+    for (const { rule, message } of routes) {
+      if (rule.node(frame, parameters) !== undefined) {
+        return message(frame);
+      }
+    }
+    const unknown = routes.find(({ rule }) => rule.lacksParameter(frame, parameters));
+    if (unknown) {
+      return rejection("missing_parameter", () => [`${hex(frame.id)} may be an id with the parameter ${unknown.rule.parameter}, which is not given`]);
+    }
+    return unknownId(direction, frame);
+  }
+
+  /** The function that decodes frames of one direction. It throws errors itself: each call between takes time. */
+  #decoder(direction) {
+    return (given, parameters) => {
+      const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+      const message = this.#identify(direction, frame, known);
+      if (message instanceof CodecError) {
+        throw message;
+      }
+      return message.decode(frame, known);
+    };
+  }
+
+  #message(direction, command) {
+    const message = this.#ofCommand[direction]?.get(command);
+    if (!message) {
+      throw new TypeError(`there is no ${direction} of ${JSON.stringify(command)}`);
+    }
+    return message;
+  }
+
+  #encode(direction, command, content = NOTHING) {
+    const [message, known] = [this.#message(direction, command), this.#known(content.parameters)];
+    return message.decode(message.write(new Given(message, content, known), known), known);
+  }
+
+  #field(direction, command, name, known) {
+    const field = this.#message(direction, command).fields(known).find((candidate) => candidate.name === name);
+    if (!field) {
+      throw new TypeError(`the ${direction} of ${command} has no field ${JSON.stringify(name)}`);
+    }
+    return field;
+  }
+
+  /** The message that a frame is as the reply to a request. Throws CodecError if it is none. */
+  #answer(givenRequest, frame, parameters) {
+    const request = checkedFrame(givenRequest);
+    const message = this.#identify("request", request, parameters);
+    if (message instanceof CodecError) {
+      throw message;
+    }
+    message.check(request);
+    let first;
+    for (const plan of message.answers) {
+      const reason = reasonAgainst(plan, request, frame, parameters);
+      if (reason === "") {
+        return plan.reply;
+      }
+      first ??= reason;
+    }
+    throw rejection("not_answer", () => [first ?? `${message.command} has no reply`]);
   }
 }
 
-function choice(parameter, name, value) {
-  if (!parameter.values.includes(String(value))) {
-    throw new RangeError(`${name} is none of ${parameter.values.join(", ")}; leave it out if it is unknown`);
+/** The value of a choice as text, or that of a number. Throws RangeError if the parameter cannot have it. */
+function checkedValue({ values, minimum, maximum, whole: isWhole }, name, value) {
+  const refused = (text) => new RangeError(`${name} ${text}; leave it out if it is unknown`);
+  if (values) {
+    if (!values.includes(String(value))) {
+      throw refused(`is none of ${values.join(", ")}`);
+    }
+    return String(value);
   }
-  return String(value);
-}
-
-function number({ minimum = null, maximum = null, whole = false }, name, value) {
-  const ratio = rational(value);
-  if (!ratio || (whole && ratio[0] % ratio[1])) {
-    throw new RangeError(`${name} is no ${whole ? "whole " : ""}number; leave it out if it is unknown`);
+  const number = rational(value);
+  if (!number || (isWhole && number[0] % number[1])) {
+    throw refused(`is no ${isWhole ? "whole " : ""}number`);
   }
-  const isLess = (bound) => ratio[0] * bound[1] < bound[0] * ratio[1];
-  const isGreater = (bound) => ratio[0] * bound[1] > bound[0] * ratio[1];
-  if ((minimum !== null && isLess(rational(minimum))) || (maximum !== null && isGreater(rational(maximum)))) {
-    throw new RangeError(`${name} must be from ${minimum ?? "-∞"} to ${maximum ?? "∞"}; leave it out if it is unknown`);
+  if ((minimum !== undefined && compare(number, rational(minimum)) < 0) || (maximum !== undefined && compare(number, rational(maximum)) > 0)) {
+    throw refused(`must be from ${minimum ?? "-∞"} to ${maximum ?? "∞"}`);
   }
   return value;
 }
@@ -265,7 +257,7 @@ function number({ minimum = null, maximum = null, whole = false }, name, value) 
 function reasonAgainst({ request: message, reply, nodes: repliers = [], asked, reported, echo }, request, frame, parameters) {
   const wrong = reply.difference(frame, parameters);
   if (wrong) {
-    return wrong.text;
+    return wrong.message;
   }
   const to = asked ? asked.read(request) : message.node(request, parameters);
   const mask = asked ? asked.mask : -1n;
@@ -342,6 +334,11 @@ class IdRule {
     return value === undefined ? undefined : value * this.times;
   }
 
+  /** Whether the id of a frame can contain a parameter that is not given. */
+  lacksParameter(frame, parameters) {
+    return this.isOfKind(frame) && this.offset(parameters) === undefined;
+  }
+
   /** The node of a frame, null for a fixed id, undefined if the id is not of this rule. */
   node(frame, parameters) {
     const offset = this.isOfKind(frame) ? this.offset(parameters) : undefined;
@@ -358,16 +355,8 @@ class IdRule {
 }
 
 /** The fields of messages; `values` are those of the parameter under which they are known. */
-class Layout {
-  constructor({ parameter = null, values = [], fields }, types) {
-    this.parameter = parameter;
-    this.values = values;
-    this.every = fields.map((field) => new Field(field, types[field.type]));
-  }
-}
-
 export function layoutsOf(types, layouts) {
-  return layouts.map((layout) => new Layout(layout, types));
+  return layouts.map(({ parameter = null, values = [], fields }) => ({ parameter, values, every: fields.map((field) => new Field(field, types[field.type])) }));
 }
 
 export function typesOf(types) {
@@ -375,11 +364,11 @@ export function typesOf(types) {
 }
 
 class Field {
-  constructor({ name, elements, indices = null, only = null, hidden = false, fixed = null, constant = false, parameter = null, checksum = false, counter = null }, type) {
+  constructor({ hidden: isHidden = false, constant: isConstant = false, checksum: isChecksum = false, ...table }, type) {
+    const { name, elements, indices = null, only = null, fixed = null, parameter = null, counter = null } = table;
     const isArray = indices !== null;
-    Object.assign(this, { name, type, only, isArray, count: elements.length, isValue: !hidden });
-    const bits = { name, elements, isArray, indices, only, isValue: !hidden, fixed, isConstant: constant, parameter, isChecksum: checksum, counter };
-    this.description = { ...bits, type: type.description }; // for tools
+    Object.assign(this, { name, type, only, isArray, count: elements.length, isValue: !isHidden });
+    this.description = { name, elements, isArray, indices, only, isValue: !isHidden, fixed, isConstant, parameter, isChecksum, counter, type: type.description }; // for tools
   }
 
   exists(value) {
@@ -406,11 +395,8 @@ class Field {
   }
 
   result(raw, value, parameters) {
-    if (this.type.joined) {
-      return Object.freeze({ name: this.name, raw, value, unit: null, reason: value === null ? "out_of_range" : null, noValue: null, valueName: null });
-    }
-    const without = this.isArray ? raw[value.indexOf(null)] : value === null ? raw : undefined;
-    const reason = without === undefined ? null : this.type.reason(without, parameters);
+    const without = this.isArray && Array.isArray(value) ? value.indexOf(null) : value === null ? 0 : -1;
+    const reason = without < 0 ? null : this.type.reason([raw].flat()[without], parameters);
     const noValue = this.named(raw, (element) => this.type.noValue(element));
     const valueName = this.named(raw, (element) => this.type.valueName(element));
     return { name: this.name, raw, value, unit: this.type.unit ?? null, reason, noValue, valueName };
@@ -418,11 +404,8 @@ class Field {
 
   /** The name of a raw integer, or those of all elements of an array; null without any. */
   named(raw, nameOf) {
-    if (!this.isArray) {
-      return nameOf(raw);
-    }
-    const names = raw.map(nameOf);
-    return names.some((name) => name !== null) ? Object.freeze(names) : null;
+    const names = [raw].flat().map(nameOf);
+    return !this.isArray ? names[0] : names.some((name) => name !== null) ? Object.freeze(names) : null;
   }
 }
 
@@ -436,17 +419,16 @@ export class Definition {
     this.length = about.length;
     this.frames = about.frames;
     this.rule = new IdRule(about);
+    this.answers = []; // the plans of its replies
     Object.assign(this, { hasKeys, nodeInData, check, read, write });
   }
 
+  /** What the message is, for tools, under the names of `MessageDescription`; its mask is the bits of its keys and fields. */
   get description() {
-    const { direction, command, length, keys = [], layout, sent, everyMs, timeoutMs, frames } = this.about;
-    const { base, step, nodes, extended, remote, parameter: idParameter, times: idParameterStep } = this.rule;
-    const ofId = idParameter === null ? {} : { idParameter, idParameterStep };
+    const { mask, parameter: idParameter, times: idParameterStep = 1, ...about } = this.about;
     const { parameter, every } = this.layout;
-    const sending = { ...(sent && { sent }), ...(everyMs && { everyMs }), ...(timeoutMs && { timeoutMs }) };
-    const fields = every.map((field) => field.description);
-    return { direction, command, base, step, nodes, extended, remote, length, keys, layout, parameter, fields, ...ofId, ...sending, ...(frames && { frames }) };
+    const ofId = idParameter && { idParameter, idParameterStep };
+    return { step: 1, nodes: null, extended: false, remote: false, keys: [], ...about, parameter, fields: every.map((field) => field.description), ...ofId };
   }
 
   /** The node in the id of a frame; null without one. */
@@ -459,12 +441,12 @@ export class Definition {
     return this.nodeInData ? this.nodeInData(frame) : this.node(frame, parameters);
   }
 
-  /** The first difference between a frame and this message, as `{ refusal, text }`; null if the frame is this message. */
+  /** The error of a frame that is not this message; null if it is. */
   difference(frame, parameters) {
-    const wrong = (refusal, text) => ({ refusal, text: `this is no ${this.direction} of ${this.command}: ${text}` });
+    const wrong = (refusal, text) => rejection(refusal, () => [`this is no ${this.direction} of ${this.command}: ${text}`]);
     if (this.rule.node(frame, parameters) === undefined) {
-      const isUnknown = this.rule.isOfKind(frame) && this.rule.offset(parameters) === undefined;
-      return isUnknown ? wrong("missing_parameter", `its id contains ${this.rule.parameter}`) : wrong("unknown_id", "the id differs");
+      const isOpen = this.rule.lacksParameter(frame, parameters);
+      return isOpen ? wrong("missing_parameter", `its id contains ${this.rule.parameter}`) : wrong("unknown_id", "the id differs");
     }
     if (frame.data.length !== this.length && !frame.remote) {
       return wrong("wrong_length", `it has ${frame.data.length} data bytes`);

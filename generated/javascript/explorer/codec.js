@@ -31,7 +31,7 @@ function reduced(numerator, denominator) {
 }
 
 function ratio(number) {
-  if (Number.isInteger(number)) {
+  if (typeof number === "bigint" || Number.isInteger(number)) {
     return [BigInt(number), 1n];
   }
   VIEW.setFloat64(0, number);
@@ -181,25 +181,23 @@ class FieldType {
   constructor(table) {
     Object.assign(this, table);
     this.isFloat = table.encoding === "float";
-    this.isSigned = table.encoding === "signed";
     this.isWide = table.width > WIDEST_NUMBER;
     this.joined = table.text ? new JoinedText(table.text) : table.digits ? new JoinedDigits() : null;
-    this.members = table.enum && new Map(table.enum);
-    this.values = table.enum && new Map(table.enum.map(([value, name]) => [name, value]));
-    const ofNoValue = (table.noValues ?? []).map(([, last, name]) => [name, last]);
-    const ofNumbers = (table.names ?? []).map(([raw, name]) => [name, raw]);
-    this.named = ofNoValue.length + ofNumbers.length ? new Map([...ofNoValue, ...ofNumbers]) : null;
     const size = 1n << BigInt(table.width);
+    const least = table.encoding === "signed" ? -size / 2n : 0n;
+    this.low = this.integer(least);
+    this.high = this.integer(least + size - 1n);
     this.half = this.integer(size / 2n);
-    this.low = this.integer(this.isSigned ? -size / 2n : 0n);
-    this.high = this.integer(this.isSigned ? size / 2n - 1n : size - 1n);
-    this.bits = table.flags && new Map(table.flags.map(([bit, name]) => [name, 1n << BigInt(bit)]));
-    this.flagWeights = table.flags && table.flags.map(([bit, name]) => [name, this.integer(1n << BigInt(bit)), this.integer(2n << BigInt(bit))]);
-    const isConstant = !table.linear?.by && !table.linear?.times;
+    const { enum: members = [], flags = [], noValues = [], names = [], linear } = table;
+    this.nameOf = new Map(members);
+    this.named = new Map([
+      ...noValues.map(([, last, name]) => [name, last]),
+      ...[...members, ...names].map(([raw, name]) => [name, raw]),
+      ...flags.map(([bit, name]) => [name, this.integer(1n << BigInt(bit))]),
+    ]);
+    this.isConstant = !linear?.by && !linear?.times;
     this.lastParameters = null; // those of the last conversion: an edition hands over the same object for equal ones
     this.lastLine = null;
-    this.constantLine = isConstant ? this.lineAt(Object.create(null)) : null;
-    this.mask = table.flags && [...this.bits.values()].reduce((mask, bit) => mask | bit, 0n);
   }
 
   get description() {
@@ -212,8 +210,11 @@ class FieldType {
   }
 
   noValue(raw) {
-    const bits = this.noValues && this.isFloat && raw >= this.half ? this.integer(raw) - this.half : raw; // NaN of either sign
-    return this.noValues?.find(([first, last]) => bits >= first && bits <= last)?.[2] ?? null;
+    if (!this.noValues) {
+      return null;
+    }
+    const bits = this.isFloat && raw >= this.half ? this.integer(raw) - this.half : raw; // NaN of either sign
+    return this.noValues.find(([first, last]) => bits >= first && bits <= last)?.[2] ?? null;
   }
 
   valueName(raw) {
@@ -224,10 +225,10 @@ class FieldType {
     if (this.noValue(raw) !== null) {
       return null;
     }
-    if (this.members) {
-      return this.members.get(raw) ?? null;
+    if (this.enum) {
+      return this.nameOf.get(raw) ?? null;
     }
-    if (this.bits) {
+    if (this.flags) {
       return this.flagsOf(raw);
     }
     const line = this.line(parameters);
@@ -245,11 +246,15 @@ class FieldType {
     return Number.isFinite(value) ? value : null;
   }
 
+  valueOfAll(raws, parameters) {
+    return this.joined ? this.joined.value(raws) : Object.freeze(raws.map((raw) => this.value(raw, parameters)));
+  }
+
   reason(raw, parameters) {
     if (this.noValue(raw) !== null) {
       return "no_value";
     }
-    const line = this.members ? null : this.line(parameters);
+    const line = this.enum ? null : this.line(parameters);
     if (typeof line === "string") {
       return line;
     }
@@ -259,23 +264,21 @@ class FieldType {
   flagsOf(raw) {
     const set = [];
     let rest = raw;
-    for (const [name, weight, next] of this.flagWeights) {
-      if (raw % next >= weight) {
+    for (const [name, weight] of this.named) {
+      if (raw % (weight + weight) >= weight) {
         set.push(name);
         rest -= weight;
       }
     }
-    if (rest) {
-      set.push(rest);
-    }
-    return Object.freeze(set);
+    return Object.freeze(rest ? [...set, rest] : set);
   }
 
   raw(value, parameters, field) {
-    if (this.members || this.bits) {
-      return this.check(this.ofMembers(value, field), parameters, field, JSON.stringify(value, (_, item) => (typeof item === "bigint" ? String(item) : item)));
+    if (this.enum || this.flags) {
+      const items = this.flags ? [value].flat() : [value];
+      return this.integer(items.reduce((raw, item) => raw | BigInt(this.ofMember(item, parameters, field)), 0n));
     }
-    if (this.named && (typeof value === "string" || (this.noValues && value === null))) {
+    if (this.named.size && (typeof value === "string" || (this.noValues && value === null))) {
       return this.check(this.ofName(value, field), parameters, field, JSON.stringify(value));
     }
     const line = this.line(parameters);
@@ -292,14 +295,15 @@ class FieldType {
     }
     const given = `${value}${this.suffix}`;
     if (this.isFloat) {
-      const bits = floatBits(this.width, typeof value === "bigint" ? this.exactFloat(value, line) : steps(value, line));
+      const nearestDouble = this.width === 32 ? toOdd : quotient;
+      const bits = floatBits(this.width, typeof value === "bigint" ? nearestDouble(...exactSteps(value, line)) : steps(value, line));
       if (bits === null) {
         throw new CodecError("out_of_range", `${field}=${given} is too large for its float`, field);
       }
       return this.check(bits, parameters, field, given);
     }
     const count = typeof value === "number" ? steps(value, line) : Infinity;
-    const raw = Math.abs(count) < COARSE ? rounded(count) : exactSteps(value, line);
+    const raw = Math.abs(count) < COARSE ? rounded(count) : nearest(...exactSteps(value, line));
     if (this.noValue(raw) !== null) {
       throw new CodecError("out_of_range", `the raw integer ${raw} of ${field} means ${this.noValue(raw)}`, field);
     }
@@ -314,34 +318,15 @@ class FieldType {
     return this.named.get(name);
   }
 
-  exactFloat(value, line) {
-    const above = value * line.divisor - line.addend;
-    const sign = line.factor < 0n ? -1n : 1n;
-    return (this.width === 32 ? toOdd : quotient)(above * sign, line.factor * sign);
-  }
-
-  ofMembers(value, field) {
-    const unknown = (name) => this.outOfRange(JSON.stringify(name), NO_PARAMETERS, field);
-    if (typeof value === "string" && this.members) {
-      if (!this.values.has(value)) {
-        throw unknown(value);
-      }
-      return this.values.get(value);
+  ofMember(given, parameters, field) {
+    const raw = this.named.get(given) ?? given;
+    if (typeof raw === "string") {
+      throw this.outOfRange(JSON.stringify(raw), parameters, field);
     }
-    if (Array.isArray(value) && this.bits) {
-      return value.reduce((raw, item) => {
-        const isInteger = typeof item === "bigint" || Number.isInteger(item);
-        if (!isInteger && !this.bits.has(item)) {
-          throw unknown(item);
-        }
-        return raw | (isInteger ? BigInt(item) : this.bits.get(item));
-      }, 0n);
+    if (typeof raw === "number" && !Number.isInteger(raw)) {
+      throw new CodecError(Number.isFinite(raw) ? "out_of_range" : "not_finite", `${field} has only whole numbers`, field);
     }
-    if (typeof value === "number" && !Number.isInteger(value)) {
-      const isFinite = Number.isFinite(value);
-      throw new CodecError(isFinite ? "out_of_range" : "not_finite", `${field} has only whole numbers`, field);
-    }
-    return value;
+    return this.check(raw, parameters, field, `${raw}`);
   }
 
   check(raw, parameters, field, given = `raw ${raw}`) {
@@ -360,12 +345,12 @@ class FieldType {
   outOfRange(given, parameters, field) {
     const [values, raws] = this.limits(parameters);
     const range = [values, raws && (values ? `(raw ${raws})` : `raw ${raws}`)].filter(Boolean).join(" ");
-    return new CodecError("out_of_range", `${field}=${given} is ${this.members || this.bits ? "none of" : "out of range"} ${range}`, field, [values, raws]);
+    return new CodecError("out_of_range", `${field}=${given} is ${this.enum || this.flags ? "none of" : "out of range"} ${range}`, field, [values, raws]);
   }
 
   limits(parameters) {
-    if (this.members || this.bits) {
-      return [[...(this.members?.values() ?? this.bits.keys())].join(", "), ""];
+    if (this.enum || this.flags) {
+      return [[...this.named.keys()].join(", "), ""];
     }
     const [low, high] = this.bounds(parameters);
     if (this.isFloat) {
@@ -393,36 +378,26 @@ class FieldType {
     if (raw < this.low || raw > this.high) {
       return false;
     }
-    if (this.members) {
-      return this.members.has(this.integer(raw));
+    if (this.enum) {
+      return this.nameOf.has(this.integer(raw));
     }
-    if (this.bits) {
-      return (BigInt(raw) & ~this.mask) === 0n;
-    }
-    if (this.noValue(raw) !== null) {
-      return true;
+    if (this.flags) {
+      return this.flagsOf(this.integer(raw)).every((item) => typeof item === "string");
     }
     const [low, high] = this.bounds(parameters);
-    if (low === null && high === null) {
+    if ((low === null && high === null) || this.noValue(raw) !== null) {
       return true;
     }
-    if (!this.isFloat) {
-      return (low === null || raw >= ceil(low)) && (high === null || raw <= floor(high));
-    }
     const line = this.line(parameters);
-    if (typeof line === "string") {
+    if (this.isFloat && typeof line === "string") {
       return false;
     }
-    const [numerator, denominator] = ratio(floatOf(this.width, this.integer(raw)));
-    const value = [numerator * line.factor + line.addend * denominator, denominator * line.divisor];
+    const value = this.isFloat ? exactValue(floatOf(this.width, this.integer(raw)), line) : [BigInt(raw), 1n];
     return (low === null || compare(value, low) >= 0) && (high === null || compare(value, high) <= 0);
   }
 
   line(parameters) {
-    if (this.constantLine !== null) {
-      return this.constantLine;
-    }
-    if (this.lastParameters !== parameters) {
+    if (this.lastLine === null || !(this.isConstant || this.lastParameters === parameters)) {
       this.lastLine = this.lineAt(parameters);
       this.lastParameters = parameters;
     }
@@ -435,49 +410,36 @@ class FieldType {
   }
 
   lineAt(parameters) {
-    let linear = this.linear;
-    if (linear?.by) {
-      const choice = parameters[linear.by];
-      if (choice === undefined) {
-        return "missing_parameter";
-      }
-      linear = own(linear.cases, choice) ?? null;
+    const { by, cases } = this.linear ?? {};
+    const choice = by && parameters[by];
+    if (by && choice === undefined) {
+      return "missing_parameter";
     }
+    const linear = by ? (own(cases, choice) ?? null) : this.linear;
     if (linear === null) {
       return "no_scale";
     }
-    const { factor = 1, addend = 0, divisor = 1, steps: floats, times } = linear ?? {};
-    const [offset, denominator, numerator] = floats ?? [0, Number(divisor), Number(factor)];
-    const line = { factor: BigInt(factor), addend: BigInt(addend), divisor: BigInt(divisor), offset, denominator, numerator };
-    if (times === undefined) {
-      const isExact = [factor, addend, divisor].every(Number.isSafeInteger);
-      const doubles = { exactFactor: Number(factor), exactAddend: Number(addend), exactDivisor: Number(divisor) };
-      return Object.assign(line, { isExact, ...doubles, isIdentity: factor === 1 && addend === 0 && divisor === 1 });
+    const { factor = 1, addend = 0, divisor = 1, steps: floats = [0, Number(divisor), Number(factor)], times = "" } = linear ?? {};
+    const factors = [...times.matchAll(/(\/?)([^*/]+)/g)].map(([, operator, name]) => [operator, rational(parameters[name])]);
+    if (factors.some(([, number]) => number === null)) {
+      return "missing_parameter";
     }
-    const [multiplied, divided = ""] = times.split("/");
-    const product = [1n, 1n];
-    for (const name of [...multiplied.split("*"), divided].filter(Boolean)) {
-      if (parameters[name] === undefined) {
-        return "missing_parameter";
-      }
+    if (factors.some(([, [numerator]]) => numerator <= 0n)) {
+      return "out_of_range";
     }
-    for (const name of [...multiplied.split("*"), divided].filter(Boolean)) {
-      const [numerator, denominator] = rational(parameters[name]);
-      if (numerator <= 0n) {
-        return "out_of_range";
-      }
-      product[0] *= name === divided ? denominator : numerator;
-      product[1] *= name === divided ? numerator : denominator;
-    }
-    const [above, below] = product;
-    line.factor *= above;
-    line.addend *= above;
-    line.divisor *= below;
-    return Object.assign(line, { isExact: false, isIdentity: false, times: [quotient(above, 1n), quotient(below, 1n)] });
+    const product = ([above, below], [operator, [n, d]]) => (operator ? [above * d, below * n] : [above * n, below * d]);
+    const [above, below] = factors.reduce(product, [1n, 1n]);
+    const [offset, denominator, numerator] = floats;
+    const isExact = !times && [factor, addend, divisor].every(Number.isSafeInteger);
+    return {
+      ...{ factor: BigInt(factor) * above, addend: BigInt(addend) * above, divisor: BigInt(divisor) * below },
+      ...{ offset, denominator, numerator, above: quotient(above, 1n), below: quotient(below, 1n) },
+      exact: isExact ? { factor, addend, divisor } : null,
+      isIdentity: isExact && factor === 1 && addend === 0 && divisor === 1,
+    };
   }
 }
 
-const NO_PARAMETERS = /* @__PURE__ */ Object.freeze({});
 const TEXTS = {
   no_scale: "has no scale here; use its raw integer",
   out_of_range: "needs a parameter above 0",
@@ -503,25 +465,29 @@ function boundAt(bound, parameters) {
 
 function scaled(number, line) {
   const integer = Number(number);
-  if (line.isExact && Number.isSafeInteger(integer)) {
-    const product = integer * line.exactFactor;
-    const sum = product + line.exactAddend;
+  if (line.exact !== null && Number.isSafeInteger(integer)) {
+    const product = integer * line.exact.factor;
+    const sum = product + line.exact.addend;
     if (Number.isSafeInteger(product) && Number.isSafeInteger(sum)) {
-      return sum / line.exactDivisor;
+      return sum / line.exact.divisor;
     }
   }
-  const [numerator, denominator] = typeof number === "bigint" ? [number, 1n] : ratio(number);
-  return quotient(numerator * line.factor + line.addend * denominator, denominator * line.divisor);
+  return quotient(...exactValue(number, line));
 }
 
-function steps(value, line) {
-  const given = line.times ? (value * line.times[1]) / line.times[0] : value;
-  return ((given - line.offset) * line.denominator) / line.numerator;
+function exactValue(number, line) {
+  const [numerator, denominator] = ratio(number);
+  return [numerator * line.factor + line.addend * denominator, denominator * line.divisor];
 }
 
 function exactSteps(value, line) {
-  const [numerator, denominator] = typeof value === "bigint" ? [value, 1n] : ratio(value);
-  return nearest(numerator * line.divisor - line.addend * denominator, denominator * line.factor);
+  const [numerator, denominator] = ratio(value);
+  const sign = line.factor < 0n ? -1n : 1n;
+  return [(numerator * line.divisor - line.addend * denominator) * sign, denominator * line.factor * sign];
+}
+
+function steps(value, { above, below, offset, denominator, numerator }) {
+  return (((value * below) / above - offset) * denominator) / numerator;
 }
 
 class JoinedText {
@@ -619,170 +585,60 @@ class Numbering {
   }
 }
 
-function createEdition(parts) {
-  const codec = new Codec(parts);
-  const edition = {
-    FAMILY: parts.family,
-    EDITION: parts.edition,
-    SPEC_HASH: parts.hash,
-    REPLY_WITHIN_MS: parts.replyWithin,
-    PARAMETERS: frozen(parts.parameters),
-    MESSAGES: frozen(parts.messages.map((message) => message.description)),
-    decodeRequest: codec.decoder("request"),
-    decodeReply: codec.decoder("reply"),
-    decodeAs: (direction, command, frame, parameters) => codec.decodeAs(direction, command, frame, parameters),
-    decodeAnswer: (request, given, parameters) => {
-      const [frame, known] = [checkedFrame(given), codec.known(parameters)];
-      return codec.answer(request.frame, frame, known).decode(frame, known);
-    },
-    join: (replies, field, last) => codec.join(replies, field, last),
-    checkReply: (request, reply, parameters) => {
-      codec.answer(request, checkedFrame(reply), codec.known(parameters));
-    },
-    candidates: (frame, parameters) => codec.candidates(frame, codec.known(parameters)),
-    rawOf: (direction, command, field, value, parameters) => codec.rawOf(direction, command, field, value, parameters),
-    allows: (direction, command, field, raw, parameters) => codec.allows(direction, command, field, raw, parameters),
-    encodeRequest: (command, given) => codec.encode("request", command, given),
-    encodeReply: (command, given) => codec.encode("reply", command, given),
-  };
-  return Object.freeze(edition);
-}
+class Edition {
+  #routes;
+  #ofCommand = { request: new Map(), reply: new Map() };
+  #explained;
+  #names = []; // of the parameters of the last call, with their values, and what `#known` made of them
+  #values = [];
+  #lastKnown = NOTHING;
 
-class Codec {
-  constructor({ family, edition, parameters, messages, explained, answers, requests, replies }) {
-    Object.assign(this, { parameters, explained });
-    const routes = (each) => each.map((route) => ({ rule: new IdRule(route.rule), message: route.message }));
-    this.routes = { request: routes(requests), reply: routes(replies) };
-    this.ofCommand = { request: new Map(), reply: new Map() };
+  constructor({ family, edition, hash, replyWithin, parameters, messages, explained, answers, requests, replies }) {
+    const routes = (each) => each.map(({ rule, message }) => ({ rule: new IdRule(rule), message }));
+    this.#routes = { request: routes(requests), reply: routes(replies) };
+    this.#explained = explained;
     for (const message of messages) {
       Object.assign(message, { family, edition });
-      this.ofCommand[message.direction].set(message.command, message);
+      this.#ofCommand[message.direction].set(message.command, message);
     }
-    this.names = []; // of the parameters of the last call, with their values, and what `known` made of them
-    this.values = [];
-    this.lastKnown = NOTHING;
-    this.answers = new Map(messages.map((message) => [message, []]));
     for (const plan of answers) {
-      const plans = this.answers.get(plan.request);
-      if (!plans.length) {
-        this.ofCommand.reply.set(plan.request.command, plan.reply);
-      }
+      const { command, answers: plans } = plan.request;
       plans.push(plan);
+      this.#ofCommand.reply.set(command, plans[0].reply);
     }
+    this.FAMILY = family;
+    this.EDITION = edition;
+    this.SPEC_HASH = hash;
+    this.REPLY_WITHIN_MS = replyWithin;
+    this.PARAMETERS = frozen(parameters);
+    this.MESSAGES = frozen(messages.map((message) => message.description));
+    Object.freeze(this);
   }
 
-  known(parameters = NOTHING) {
-    const names = Object.keys(parameters);
-    const isSame = (name, i) => name === this.names[i] && parameters[name] === this.values[i];
-    if (names.length !== this.names.length || !names.every(isSame)) {
-      this.lastKnown = this.checked(parameters);
-      this.names = names;
-      this.values = Object.values(parameters);
-    }
-    return this.lastKnown;
-  }
+  decodeRequest = this.#decoder("request");
+  decodeReply = this.#decoder("reply");
 
-  checked(parameters) {
-    const known = Object.create(null); // a parameter can have the name of a property of every object
-    for (const [name, value] of Object.entries(parameters)) {
-      const parameter = own(this.parameters, name);
-      if (!parameter) {
-        throw new TypeError(`there is no parameter ${JSON.stringify(name)}`);
-      }
-      if (value !== undefined && value !== null) {
-        known[name] = parameter.values ? choice(parameter, name, value) : number(parameter, name, value);
-      }
-    }
-    return Object.freeze(known);
-  }
-
-  identify(direction, frame, parameters) {
-    const routes = this.routes[direction];
-    for (const { rule, message } of routes) {
-      if (rule.node(frame, parameters) !== undefined) {
-        return message(frame);
-      }
-    }
-    const unknown = routes.find(({ rule }) => rule.isOfKind(frame) && rule.offset(parameters) === undefined);
-    if (unknown) {
-      return rejection("missing_parameter", () => [`${hex(frame.id)} may be an id with the parameter ${unknown.rule.parameter}, which is not given`]);
-    }
-    return unknownId(direction, frame);
-  }
-
-  decoder(direction) {
-    return (given, parameters) => {
-      const [frame, known] = [checkedFrame(given), this.known(parameters)];
-      const message = this.identify(direction, frame, known);
-      if (message instanceof CodecError) {
-        throw message;
-      }
-      return message.decode(frame, known);
-    };
-  }
-
-  decodeAs(direction, command, given, parameters) {
+  decodeAs = (direction, command, given, parameters) => {
     const frame = checkedFrame(given);
-    const [message, known] = [this.message(direction, command), this.known(parameters)];
+    const [message, known] = [this.#message(direction, command), this.#known(parameters)];
     const wrong = message.difference(frame, known);
     if (wrong) {
-      throw rejection(wrong.refusal, () => [wrong.text]);
+      throw wrong;
     }
     return message.decode(frame, known);
-  }
+  };
 
-  message(direction, command) {
-    const message = this.ofCommand[direction]?.get(command);
-    if (!message) {
-      throw new TypeError(`there is no ${direction} of ${JSON.stringify(command)}`);
-    }
-    return message;
-  }
+  decodeAnswer = (request, given, parameters) => {
+    const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+    return this.#answer(request.frame, frame, known).decode(frame, known);
+  };
 
-  encode(direction, command, content = NOTHING) {
-    const [message, known] = [this.message(direction, command), this.known(content.parameters)];
-    return message.decode(message.write(new Given(message, content, known), known), known);
-  }
+  checkReply = (request, reply, parameters) => {
+    this.#answer(request, checkedFrame(reply), this.#known(parameters));
+  };
 
-  rawOf(direction, command, name, value, parameters) {
-    const known = this.known(parameters);
-    return this.field(direction, command, name, known).given(value, known, true);
-  }
-
-  allows(direction, command, name, raw, parameters) {
-    const known = this.known(parameters);
-    return this.field(direction, command, name, known).allows(raw, known);
-  }
-
-  field(direction, command, name, known) {
-    const field = this.message(direction, command).fields(known).find((candidate) => candidate.name === name);
-    if (!field) {
-      throw new TypeError(`the ${direction} of ${command} has no field ${JSON.stringify(name)}`);
-    }
-    return field;
-  }
-
-  answer(givenRequest, frame, parameters) {
-    const request = checkedFrame(givenRequest);
-    const message = this.identify("request", request, parameters);
-    if (message instanceof CodecError) {
-      throw message;
-    }
-    message.check(request);
-    let first;
-    for (const plan of this.answers.get(message)) {
-      const reason = reasonAgainst(plan, request, frame, parameters);
-      if (reason === "") {
-        return plan.reply;
-      }
-      first ??= reason;
-    }
-    throw rejection("not_answer", () => [first ?? `${message.command} has no reply`]);
-  }
-
-  join(replies, field, last) {
-    const message = this.ofCommand.reply.get(replies[0]?.command);
-    const { frames } = message ?? {};
+  join = (replies, field, last) => {
+    const { frames } = this.#ofCommand.reply.get(replies[0]?.command) ?? {};
     if (!frames) {
       throw new RangeError("there are no frames of a reply of several frames");
     }
@@ -793,33 +649,133 @@ class Codec {
       throw new RangeError(missing === undefined ? "a frame is unexpected or given twice" : `frame ${missing} is missing`);
     }
     return numbers.flatMap((number) => byNumber.get(number).values[field]);
-  }
+  };
 
-  candidates(given, parameters) {
-    const frame = checkedFrame(given);
-    const explained = this.explained.filter((message) => !message.difference(frame, parameters));
-    const found = [this.identify("reply", frame, parameters), ...explained, this.identify("request", frame, parameters)];
+  candidates = (given, parameters) => {
+    const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+    const explained = this.#explained.filter((message) => !message.difference(frame, known));
+    const found = [this.#identify("reply", frame, known), ...explained, this.#identify("request", frame, known)];
     const candidates = new Set(found.filter((message) => message instanceof Definition));
-    return Object.freeze(Array.from(candidates, (message) => Object.freeze({ direction: message.direction, command: message.command, node: message.nodeOf(frame, parameters) })));
+    return Object.freeze(Array.from(candidates, (message) => Object.freeze({ direction: message.direction, command: message.command, node: message.nodeOf(frame, known) })));
+  };
+
+  rawOf = (direction, command, name, value, parameters) => {
+    const known = this.#known(parameters);
+    return this.#field(direction, command, name, known).given(value, known, true);
+  };
+
+  allows = (direction, command, name, raw, parameters) => {
+    const known = this.#known(parameters);
+    return this.#field(direction, command, name, known).allows(raw, known);
+  };
+
+  encodeRequest = (command, given) => this.#encode("request", command, given);
+  encodeReply = (command, given) => this.#encode("reply", command, given);
+
+  #known(parameters = NOTHING) {
+    const names = Object.keys(parameters);
+    const isSame = (name, i) => name === this.#names[i] && parameters[name] === this.#values[i];
+    if (names.length !== this.#names.length || !names.every(isSame)) {
+      this.#lastKnown = this.#checked(parameters);
+      this.#names = names;
+      this.#values = Object.values(parameters);
+    }
+    return this.#lastKnown;
+  }
+
+  #checked(parameters) {
+    const known = Object.create(null); // a parameter can have the name of a property of every object
+    for (const [name, value] of Object.entries(parameters)) {
+      const parameter = own(this.PARAMETERS, name);
+      if (!parameter) {
+        throw new TypeError(`there is no parameter ${JSON.stringify(name)}`);
+      }
+      if (value !== undefined && value !== null) {
+        known[name] = checkedValue(parameter, name, value);
+      }
+    }
+    return Object.freeze(known);
+  }
+
+  #identify(direction, frame, parameters) {
+    const routes = this.#routes[direction];
+    for (const { rule, message } of routes) {
+      if (rule.node(frame, parameters) !== undefined) {
+        return message(frame);
+      }
+    }
+    const unknown = routes.find(({ rule }) => rule.lacksParameter(frame, parameters));
+    if (unknown) {
+      return rejection("missing_parameter", () => [`${hex(frame.id)} may be an id with the parameter ${unknown.rule.parameter}, which is not given`]);
+    }
+    return unknownId(direction, frame);
+  }
+
+  #decoder(direction) {
+    return (given, parameters) => {
+      const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+      const message = this.#identify(direction, frame, known);
+      if (message instanceof CodecError) {
+        throw message;
+      }
+      return message.decode(frame, known);
+    };
+  }
+
+  #message(direction, command) {
+    const message = this.#ofCommand[direction]?.get(command);
+    if (!message) {
+      throw new TypeError(`there is no ${direction} of ${JSON.stringify(command)}`);
+    }
+    return message;
+  }
+
+  #encode(direction, command, content = NOTHING) {
+    const [message, known] = [this.#message(direction, command), this.#known(content.parameters)];
+    return message.decode(message.write(new Given(message, content, known), known), known);
+  }
+
+  #field(direction, command, name, known) {
+    const field = this.#message(direction, command).fields(known).find((candidate) => candidate.name === name);
+    if (!field) {
+      throw new TypeError(`the ${direction} of ${command} has no field ${JSON.stringify(name)}`);
+    }
+    return field;
+  }
+
+  #answer(givenRequest, frame, parameters) {
+    const request = checkedFrame(givenRequest);
+    const message = this.#identify("request", request, parameters);
+    if (message instanceof CodecError) {
+      throw message;
+    }
+    message.check(request);
+    let first;
+    for (const plan of message.answers) {
+      const reason = reasonAgainst(plan, request, frame, parameters);
+      if (reason === "") {
+        return plan.reply;
+      }
+      first ??= reason;
+    }
+    throw rejection("not_answer", () => [first ?? `${message.command} has no reply`]);
   }
 }
 
-function choice(parameter, name, value) {
-  if (!parameter.values.includes(String(value))) {
-    throw new RangeError(`${name} is none of ${parameter.values.join(", ")}; leave it out if it is unknown`);
+function checkedValue({ values, minimum, maximum, whole: isWhole }, name, value) {
+  const refused = (text) => new RangeError(`${name} ${text}; leave it out if it is unknown`);
+  if (values) {
+    if (!values.includes(String(value))) {
+      throw refused(`is none of ${values.join(", ")}`);
+    }
+    return String(value);
   }
-  return String(value);
-}
-
-function number({ minimum = null, maximum = null, whole = false }, name, value) {
-  const ratio = rational(value);
-  if (!ratio || (whole && ratio[0] % ratio[1])) {
-    throw new RangeError(`${name} is no ${whole ? "whole " : ""}number; leave it out if it is unknown`);
+  const number = rational(value);
+  if (!number || (isWhole && number[0] % number[1])) {
+    throw refused(`is no ${isWhole ? "whole " : ""}number`);
   }
-  const isLess = (bound) => ratio[0] * bound[1] < bound[0] * ratio[1];
-  const isGreater = (bound) => ratio[0] * bound[1] > bound[0] * ratio[1];
-  if ((minimum !== null && isLess(rational(minimum))) || (maximum !== null && isGreater(rational(maximum)))) {
-    throw new RangeError(`${name} must be from ${minimum ?? "-∞"} to ${maximum ?? "∞"}; leave it out if it is unknown`);
+  if ((minimum !== undefined && compare(number, rational(minimum)) < 0) || (maximum !== undefined && compare(number, rational(maximum)) > 0)) {
+    throw refused(`must be from ${minimum ?? "-∞"} to ${maximum ?? "∞"}`);
   }
   return value;
 }
@@ -827,7 +783,7 @@ function number({ minimum = null, maximum = null, whole = false }, name, value) 
 function reasonAgainst({ request: message, reply, nodes: repliers = [], asked, reported, echo }, request, frame, parameters) {
   const wrong = reply.difference(frame, parameters);
   if (wrong) {
-    return wrong.text;
+    return wrong.message;
   }
   const to = asked ? asked.read(request) : message.node(request, parameters);
   const mask = asked ? asked.mask : -1n;
@@ -898,6 +854,10 @@ class IdRule {
     return value === undefined ? undefined : value * this.times;
   }
 
+  lacksParameter(frame, parameters) {
+    return this.isOfKind(frame) && this.offset(parameters) === undefined;
+  }
+
   node(frame, parameters) {
     const offset = this.isOfKind(frame) ? this.offset(parameters) : undefined;
     if (offset === undefined) {
@@ -912,16 +872,8 @@ class IdRule {
   }
 }
 
-class Layout {
-  constructor({ parameter = null, values = [], fields }, types) {
-    this.parameter = parameter;
-    this.values = values;
-    this.every = fields.map((field) => new Field(field, types[field.type]));
-  }
-}
-
 function layoutsOf(types, layouts) {
-  return layouts.map((layout) => new Layout(layout, types));
+  return layouts.map(({ parameter = null, values = [], fields }) => ({ parameter, values, every: fields.map((field) => new Field(field, types[field.type])) }));
 }
 
 function typesOf(types) {
@@ -929,11 +881,11 @@ function typesOf(types) {
 }
 
 class Field {
-  constructor({ name, elements, indices = null, only = null, hidden = false, fixed = null, constant = false, parameter = null, checksum = false, counter = null }, type) {
+  constructor({ hidden: isHidden = false, constant: isConstant = false, checksum: isChecksum = false, ...table }, type) {
+    const { name, elements, indices = null, only = null, fixed = null, parameter = null, counter = null } = table;
     const isArray = indices !== null;
-    Object.assign(this, { name, type, only, isArray, count: elements.length, isValue: !hidden });
-    const bits = { name, elements, isArray, indices, only, isValue: !hidden, fixed, isConstant: constant, parameter, isChecksum: checksum, counter };
-    this.description = { ...bits, type: type.description }; // for tools
+    Object.assign(this, { name, type, only, isArray, count: elements.length, isValue: !isHidden });
+    this.description = { name, elements, isArray, indices, only, isValue: !isHidden, fixed, isConstant, parameter, isChecksum, counter, type: type.description }; // for tools
   }
 
   exists(value) {
@@ -959,22 +911,16 @@ class Field {
   }
 
   result(raw, value, parameters) {
-    if (this.type.joined) {
-      return Object.freeze({ name: this.name, raw, value, unit: null, reason: value === null ? "out_of_range" : null, noValue: null, valueName: null });
-    }
-    const without = this.isArray ? raw[value.indexOf(null)] : value === null ? raw : undefined;
-    const reason = without === undefined ? null : this.type.reason(without, parameters);
+    const without = this.isArray && Array.isArray(value) ? value.indexOf(null) : value === null ? 0 : -1;
+    const reason = without < 0 ? null : this.type.reason([raw].flat()[without], parameters);
     const noValue = this.named(raw, (element) => this.type.noValue(element));
     const valueName = this.named(raw, (element) => this.type.valueName(element));
     return { name: this.name, raw, value, unit: this.type.unit ?? null, reason, noValue, valueName };
   }
 
   named(raw, nameOf) {
-    if (!this.isArray) {
-      return nameOf(raw);
-    }
-    const names = raw.map(nameOf);
-    return names.some((name) => name !== null) ? Object.freeze(names) : null;
+    const names = [raw].flat().map(nameOf);
+    return !this.isArray ? names[0] : names.some((name) => name !== null) ? Object.freeze(names) : null;
   }
 }
 
@@ -987,17 +933,15 @@ class Definition {
     this.length = about.length;
     this.frames = about.frames;
     this.rule = new IdRule(about);
+    this.answers = []; // the plans of its replies
     Object.assign(this, { hasKeys, nodeInData, check, read, write });
   }
 
   get description() {
-    const { direction, command, length, keys = [], layout, sent, everyMs, timeoutMs, frames } = this.about;
-    const { base, step, nodes, extended, remote, parameter: idParameter, times: idParameterStep } = this.rule;
-    const ofId = idParameter === null ? {} : { idParameter, idParameterStep };
+    const { mask, parameter: idParameter, times: idParameterStep = 1, ...about } = this.about;
     const { parameter, every } = this.layout;
-    const sending = { ...(sent && { sent }), ...(everyMs && { everyMs }), ...(timeoutMs && { timeoutMs }) };
-    const fields = every.map((field) => field.description);
-    return { direction, command, base, step, nodes, extended, remote, length, keys, layout, parameter, fields, ...ofId, ...sending, ...(frames && { frames }) };
+    const ofId = idParameter && { idParameter, idParameterStep };
+    return { step: 1, nodes: null, extended: false, remote: false, keys: [], ...about, parameter, fields: every.map((field) => field.description), ...ofId };
   }
 
   node(frame, parameters) {
@@ -1009,10 +953,10 @@ class Definition {
   }
 
   difference(frame, parameters) {
-    const wrong = (refusal, text) => ({ refusal, text: `this is no ${this.direction} of ${this.command}: ${text}` });
+    const wrong = (refusal, text) => rejection(refusal, () => [`this is no ${this.direction} of ${this.command}: ${text}`]);
     if (this.rule.node(frame, parameters) === undefined) {
-      const isUnknown = this.rule.isOfKind(frame) && this.rule.offset(parameters) === undefined;
-      return isUnknown ? wrong("missing_parameter", `its id contains ${this.rule.parameter}`) : wrong("unknown_id", "the id differs");
+      const isOpen = this.rule.lacksParameter(frame, parameters);
+      return isOpen ? wrong("missing_parameter", `its id contains ${this.rule.parameter}`) : wrong("unknown_id", "the id differs");
     }
     if (frame.data.length !== this.length && !frame.remote) {
       return wrong("wrong_length", `it has ${frame.data.length} data bytes`);
@@ -1223,5 +1167,5 @@ function frozen(value) {
   return value;
 }
 
-return { CodecError, rational, Definition, EXACT, MessageResult, checkChecksum, checkConstant, checksum, createEdition, layoutsOf, required, typesOf, unknownCode, unusedBits, wrongLength, wrongMessage, MAX_DATA_BYTES: 64, editions: [] };
+return { CodecError, rational, Definition, EXACT, Edition, MessageResult, checkChecksum, checkConstant, checksum, layoutsOf, required, typesOf, unknownCode, unusedBits, wrongLength, wrongMessage, MAX_DATA_BYTES: 64, editions: [] };
 })();

@@ -15,8 +15,8 @@ from . import functions, text
 from .tables import JavaScriptTables, parameter_table
 
 HELPERS = (
-    "Definition, EXACT, MessageResult, checkChecksum, checkConstant, checksum, createEdition, layoutsOf, required, "
-    "typesOf, unknownCode, unusedBits, wrongLength, wrongMessage"
+    "Definition, EXACT, Edition, MessageResult, checkChecksum, checkConstant, checksum, layoutsOf, required, typesOf, "
+    "unknownCode, unusedBits, wrongLength, wrongMessage"
 )
 """What the functions of an edition use of the runtime."""
 

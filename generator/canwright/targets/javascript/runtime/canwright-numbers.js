@@ -28,9 +28,9 @@ function reduced(numerator, denominator) {
   return [numerator / size, denominator / size];
 }
 
-/** A finite double as an exact quotient. */
+/** An integer or a finite double as an exact quotient. */
 export function ratio(number) {
-  if (Number.isInteger(number)) {
+  if (typeof number === "bigint" || Number.isInteger(number)) {
     return [BigInt(number), 1n];
   }
   VIEW.setFloat64(0, number);

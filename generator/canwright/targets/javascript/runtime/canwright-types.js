@@ -65,25 +65,23 @@ export class FieldType {
   constructor(table) {
     Object.assign(this, table);
     this.isFloat = table.encoding === "float";
-    this.isSigned = table.encoding === "signed";
     this.isWide = table.width > WIDEST_NUMBER;
     this.joined = table.text ? new JoinedText(table.text) : table.digits ? new JoinedDigits() : null;
-    this.members = table.enum && new Map(table.enum);
-    this.values = table.enum && new Map(table.enum.map(([value, name]) => [name, value]));
-    const ofNoValue = (table.noValues ?? []).map(([, last, name]) => [name, last]);
-    const ofNumbers = (table.names ?? []).map(([raw, name]) => [name, raw]);
-    this.named = ofNoValue.length + ofNumbers.length ? new Map([...ofNoValue, ...ofNumbers]) : null;
     const size = 1n << BigInt(table.width);
+    const least = table.encoding === "signed" ? -size / 2n : 0n;
+    this.low = this.integer(least);
+    this.high = this.integer(least + size - 1n);
     this.half = this.integer(size / 2n);
-    this.low = this.integer(this.isSigned ? -size / 2n : 0n);
-    this.high = this.integer(this.isSigned ? size / 2n - 1n : size - 1n);
-    this.bits = table.flags && new Map(table.flags.map(([bit, name]) => [name, 1n << BigInt(bit)]));
-    this.flagWeights = table.flags && table.flags.map(([bit, name]) => [name, this.integer(1n << BigInt(bit)), this.integer(2n << BigInt(bit))]);
-    const isConstant = !table.linear?.by && !table.linear?.times;
+    const { enum: members = [], flags = [], noValues = [], names = [], linear } = table;
+    this.nameOf = new Map(members);
+    this.named = new Map([
+      ...noValues.map(([, last, name]) => [name, last]),
+      ...[...members, ...names].map(([raw, name]) => [name, raw]),
+      ...flags.map(([bit, name]) => [name, this.integer(1n << BigInt(bit))]),
+    ]);
+    this.isConstant = !linear?.by && !linear?.times;
     this.lastParameters = null; // those of the last conversion: an edition hands over the same object for equal ones
     this.lastLine = null;
-    this.constantLine = isConstant ? this.lineAt(Object.create(null)) : null;
-    this.mask = table.flags && [...this.bits.values()].reduce((mask, bit) => mask | bit, 0n);
   }
 
   /** What the type is, for tools. */
@@ -99,8 +97,11 @@ export class FieldType {
 
   /** The name for which a raw integer of a number has no value; null for a number. */
   noValue(raw) {
-    const bits = this.noValues && this.isFloat && raw >= this.half ? this.integer(raw) - this.half : raw; // NaN of either sign
-    return this.noValues?.find(([first, last]) => bits >= first && bits <= last)?.[2] ?? null;
+    if (!this.noValues) {
+      return null;
+    }
+    const bits = this.isFloat && raw >= this.half ? this.integer(raw) - this.half : raw; // NaN of either sign
+    return this.noValues.find(([first, last]) => bits >= first && bits <= last)?.[2] ?? null;
   }
 
   /** The name that a raw integer of a number has beside its value; null without one. */
@@ -113,10 +114,10 @@ export class FieldType {
     if (this.noValue(raw) !== null) {
       return null;
     }
-    if (this.members) {
-      return this.members.get(raw) ?? null;
+    if (this.enum) {
+      return this.nameOf.get(raw) ?? null;
     }
-    if (this.bits) {
+    if (this.flags) {
       return this.flagsOf(raw);
     }
     const line = this.line(parameters);
@@ -134,12 +135,17 @@ export class FieldType {
     return Number.isFinite(value) ? value : null;
   }
 
+  /** The value of an array of raw integers: those of all elements, or what they are together. */
+  valueOfAll(raws, parameters) {
+    return this.joined ? this.joined.value(raws) : Object.freeze(raws.map((raw) => this.value(raw, parameters)));
+  }
+
   /** Why a raw integer has no value. */
   reason(raw, parameters) {
     if (this.noValue(raw) !== null) {
       return "no_value";
     }
-    const line = this.members ? null : this.line(parameters);
+    const line = this.enum ? null : this.line(parameters);
     if (typeof line === "string") {
       return line;
     }
@@ -150,24 +156,22 @@ export class FieldType {
   flagsOf(raw) {
     const set = [];
     let rest = raw;
-    for (const [name, weight, next] of this.flagWeights) {
-      if (raw % next >= weight) {
+    for (const [name, weight] of this.named) {
+      if (raw % (weight + weight) >= weight) {
         set.push(name);
         rest -= weight;
       }
     }
-    if (rest) {
-      set.push(rest);
-    }
-    return Object.freeze(set);
+    return Object.freeze(rest ? [...set, rest] : set);
   }
 
   /** The raw integer nearest to a value, ties away from zero. Throws CodecError if the value is rejected. */
   raw(value, parameters, field) {
-    if (this.members || this.bits) {
-      return this.check(this.ofMembers(value, field), parameters, field, JSON.stringify(value, (_, item) => (typeof item === "bigint" ? String(item) : item)));
+    if (this.enum || this.flags) {
+      const items = this.flags ? [value].flat() : [value];
+      return this.integer(items.reduce((raw, item) => raw | BigInt(this.ofMember(item, parameters, field)), 0n));
     }
-    if (this.named && (typeof value === "string" || (this.noValues && value === null))) {
+    if (this.named.size && (typeof value === "string" || (this.noValues && value === null))) {
       return this.check(this.ofName(value, field), parameters, field, JSON.stringify(value));
     }
     const line = this.line(parameters);
@@ -184,14 +188,15 @@ export class FieldType {
     }
     const given = `${value}${this.suffix}`;
     if (this.isFloat) {
-      const bits = floatBits(this.width, typeof value === "bigint" ? this.exactFloat(value, line) : steps(value, line));
+      const nearestDouble = this.width === 32 ? toOdd : quotient;
+      const bits = floatBits(this.width, typeof value === "bigint" ? nearestDouble(...exactSteps(value, line)) : steps(value, line));
       if (bits === null) {
         throw new CodecError("out_of_range", `${field}=${given} is too large for its float`, field);
       }
       return this.check(bits, parameters, field, given);
     }
     const count = typeof value === "number" ? steps(value, line) : Infinity;
-    const raw = Math.abs(count) < COARSE ? rounded(count) : exactSteps(value, line);
+    const raw = Math.abs(count) < COARSE ? rounded(count) : nearest(...exactSteps(value, line));
     if (this.noValue(raw) !== null) {
       throw new CodecError("out_of_range", `the raw integer ${raw} of ${field} means ${this.noValue(raw)}`, field);
     }
@@ -207,36 +212,16 @@ export class FieldType {
     return this.named.get(name);
   }
 
-  /** The number of an integer, which is rounded once. */
-  exactFloat(value, line) {
-    const above = value * line.divisor - line.addend;
-    const sign = line.factor < 0n ? -1n : 1n;
-    return (this.width === 32 ? toOdd : quotient)(above * sign, line.factor * sign);
-  }
-
-  /** The raw integer of the name of an enum, of flags as names and integers, or of an integer. */
-  ofMembers(value, field) {
-    const unknown = (name) => this.outOfRange(JSON.stringify(name), NO_PARAMETERS, field);
-    if (typeof value === "string" && this.members) {
-      if (!this.values.has(value)) {
-        throw unknown(value);
-      }
-      return this.values.get(value);
+  /** The raw integer of the name of a member, or of an integer. */
+  ofMember(given, parameters, field) {
+    const raw = this.named.get(given) ?? given;
+    if (typeof raw === "string") {
+      throw this.outOfRange(JSON.stringify(raw), parameters, field);
     }
-    if (Array.isArray(value) && this.bits) {
-      return value.reduce((raw, item) => {
-        const isInteger = typeof item === "bigint" || Number.isInteger(item);
-        if (!isInteger && !this.bits.has(item)) {
-          throw unknown(item);
-        }
-        return raw | (isInteger ? BigInt(item) : this.bits.get(item));
-      }, 0n);
+    if (typeof raw === "number" && !Number.isInteger(raw)) {
+      throw new CodecError(Number.isFinite(raw) ? "out_of_range" : "not_finite", `${field} has only whole numbers`, field);
     }
-    if (typeof value === "number" && !Number.isInteger(value)) {
-      const isFinite = Number.isFinite(value);
-      throw new CodecError(isFinite ? "out_of_range" : "not_finite", `${field} has only whole numbers`, field);
-    }
-    return value;
+    return this.check(raw, parameters, field, `${raw}`);
   }
 
   /** A raw integer itself. Throws CodecError if it is out of range, TypeError if it is no exact integer. */
@@ -257,13 +242,13 @@ export class FieldType {
   outOfRange(given, parameters, field) {
     const [values, raws] = this.limits(parameters);
     const range = [values, raws && (values ? `(raw ${raws})` : `raw ${raws}`)].filter(Boolean).join(" ");
-    return new CodecError("out_of_range", `${field}=${given} is ${this.members || this.bits ? "none of" : "out of range"} ${range}`, field, [values, raws]);
+    return new CodecError("out_of_range", `${field}=${given} is ${this.enum || this.flags ? "none of" : "out of range"} ${range}`, field, [values, raws]);
   }
 
   /** The names of values, or the range with its unit, and the range of raw integers; empty texts for what there is not. */
   limits(parameters) {
-    if (this.members || this.bits) {
-      return [[...(this.members?.values() ?? this.bits.keys())].join(", "), ""];
+    if (this.enum || this.flags) {
+      return [[...this.named.keys()].join(", "), ""];
     }
     const [low, high] = this.bounds(parameters);
     if (this.isFloat) {
@@ -293,37 +278,27 @@ export class FieldType {
     if (raw < this.low || raw > this.high) {
       return false;
     }
-    if (this.members) {
-      return this.members.has(this.integer(raw));
+    if (this.enum) {
+      return this.nameOf.has(this.integer(raw));
     }
-    if (this.bits) {
-      return (BigInt(raw) & ~this.mask) === 0n;
-    }
-    if (this.noValue(raw) !== null) {
-      return true;
+    if (this.flags) {
+      return this.flagsOf(this.integer(raw)).every((item) => typeof item === "string");
     }
     const [low, high] = this.bounds(parameters);
-    if (low === null && high === null) {
+    if ((low === null && high === null) || this.noValue(raw) !== null) {
       return true;
     }
-    if (!this.isFloat) {
-      return (low === null || raw >= ceil(low)) && (high === null || raw <= floor(high));
-    }
     const line = this.line(parameters);
-    if (typeof line === "string") {
+    if (this.isFloat && typeof line === "string") {
       return false;
     }
-    const [numerator, denominator] = ratio(floatOf(this.width, this.integer(raw)));
-    const value = [numerator * line.factor + line.addend * denominator, denominator * line.divisor];
+    const value = this.isFloat ? exactValue(floatOf(this.width, this.integer(raw)), line) : [BigInt(raw), 1n];
     return (low === null || compare(value, low) >= 0) && (high === null || compare(value, high) <= 0);
   }
 
   /** Scale and offset under some parameters, or the reason for which there is none. */
   line(parameters) {
-    if (this.constantLine !== null) {
-      return this.constantLine;
-    }
-    if (this.lastParameters !== parameters) {
+    if (this.lastLine === null || !(this.isConstant || this.lastParameters === parameters)) {
       this.lastLine = this.lineAt(parameters);
       this.lastParameters = parameters;
     }
@@ -337,49 +312,36 @@ export class FieldType {
   }
 
   lineAt(parameters) {
-    let linear = this.linear;
-    if (linear?.by) {
-      const choice = parameters[linear.by];
-      if (choice === undefined) {
-        return "missing_parameter";
-      }
-      linear = own(linear.cases, choice) ?? null;
+    const { by, cases } = this.linear ?? {};
+    const choice = by && parameters[by];
+    if (by && choice === undefined) {
+      return "missing_parameter";
     }
+    const linear = by ? (own(cases, choice) ?? null) : this.linear;
     if (linear === null) {
       return "no_scale";
     }
-    const { factor = 1, addend = 0, divisor = 1, steps: floats, times } = linear ?? {};
-    const [offset, denominator, numerator] = floats ?? [0, Number(divisor), Number(factor)];
-    const line = { factor: BigInt(factor), addend: BigInt(addend), divisor: BigInt(divisor), offset, denominator, numerator };
-    if (times === undefined) {
-      const isExact = [factor, addend, divisor].every(Number.isSafeInteger);
-      const doubles = { exactFactor: Number(factor), exactAddend: Number(addend), exactDivisor: Number(divisor) };
-      return Object.assign(line, { isExact, ...doubles, isIdentity: factor === 1 && addend === 0 && divisor === 1 });
+    const { factor = 1, addend = 0, divisor = 1, steps: floats = [0, Number(divisor), Number(factor)], times = "" } = linear ?? {};
+    const factors = [...times.matchAll(/(\/?)([^*/]+)/g)].map(([, operator, name]) => [operator, rational(parameters[name])]);
+    if (factors.some(([, number]) => number === null)) {
+      return "missing_parameter";
     }
-    const [multiplied, divided = ""] = times.split("/");
-    const product = [1n, 1n];
-    for (const name of [...multiplied.split("*"), divided].filter(Boolean)) {
-      if (parameters[name] === undefined) {
-        return "missing_parameter";
-      }
+    if (factors.some(([, [numerator]]) => numerator <= 0n)) {
+      return "out_of_range";
     }
-    for (const name of [...multiplied.split("*"), divided].filter(Boolean)) {
-      const [numerator, denominator] = rational(parameters[name]);
-      if (numerator <= 0n) {
-        return "out_of_range";
-      }
-      product[0] *= name === divided ? denominator : numerator;
-      product[1] *= name === divided ? numerator : denominator;
-    }
-    const [above, below] = product;
-    line.factor *= above;
-    line.addend *= above;
-    line.divisor *= below;
-    return Object.assign(line, { isExact: false, isIdentity: false, times: [quotient(above, 1n), quotient(below, 1n)] });
+    const product = ([above, below], [operator, [n, d]]) => (operator ? [above * d, below * n] : [above * n, below * d]);
+    const [above, below] = factors.reduce(product, [1n, 1n]);
+    const [offset, denominator, numerator] = floats;
+    const isExact = !times && [factor, addend, divisor].every(Number.isSafeInteger);
+    return {
+      ...{ factor: BigInt(factor) * above, addend: BigInt(addend) * above, divisor: BigInt(divisor) * below },
+      ...{ offset, denominator, numerator, above: quotient(above, 1n), below: quotient(below, 1n) },
+      exact: isExact ? { factor, addend, divisor } : null,
+      isIdentity: isExact && factor === 1 && addend === 0 && divisor === 1,
+    };
   }
 }
 
-const NO_PARAMETERS = /* @__PURE__ */ Object.freeze({});
 const TEXTS = {
   no_scale: "has no scale here; use its raw integer",
   out_of_range: "needs a parameter above 0",
@@ -407,26 +369,32 @@ function boundAt(bound, parameters) {
 /** (raw * factor + addend) / divisor, rounded once. */
 function scaled(number, line) {
   const integer = Number(number);
-  if (line.isExact && Number.isSafeInteger(integer)) {
-    const product = integer * line.exactFactor;
-    const sum = product + line.exactAddend;
+  if (line.exact !== null && Number.isSafeInteger(integer)) {
+    const product = integer * line.exact.factor;
+    const sum = product + line.exact.addend;
     if (Number.isSafeInteger(product) && Number.isSafeInteger(sum)) {
-      return sum / line.exactDivisor;
+      return sum / line.exact.divisor;
     }
   }
-  const [numerator, denominator] = typeof number === "bigint" ? [number, 1n] : ratio(number);
-  return quotient(numerator * line.factor + line.addend * denominator, denominator * line.divisor);
+  return quotient(...exactValue(number, line));
+}
+
+/** The value of a raw number as a quotient. */
+function exactValue(number, line) {
+  const [numerator, denominator] = ratio(number);
+  return [numerator * line.factor + line.addend * denominator, denominator * line.divisor];
+}
+
+/** The raw number of a value as a quotient with a positive denominator. */
+function exactSteps(value, line) {
+  const [numerator, denominator] = ratio(value);
+  const sign = line.factor < 0n ? -1n : 1n;
+  return [(numerator * line.divisor - line.addend * denominator) * sign, denominator * line.factor * sign];
 }
 
 /** The raw number of a value in doubles, each operation rounded: 0.15 at a scale of 0.1 is 1.5. */
-function steps(value, line) {
-  const given = line.times ? (value * line.times[1]) / line.times[0] : value;
-  return ((given - line.offset) * line.denominator) / line.numerator;
-}
-
-function exactSteps(value, line) {
-  const [numerator, denominator] = typeof value === "bigint" ? [value, 1n] : ratio(value);
-  return nearest(numerator * line.divisor - line.addend * denominator, denominator * line.factor);
+function steps(value, { above, below, offset, denominator, numerator }) {
+  return (((value * below) / above - offset) * denominator) / numerator;
 }
 
 /** A text in some bytes: it ends before the first 0, and before the padding at its end. An invalid byte is U+FFFD. */
