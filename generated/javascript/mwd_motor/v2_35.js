@@ -332,7 +332,7 @@ const request_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ power: TYPES[0].value(raw.power, p) });
+    const values = Object.freeze({ power: raw.power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -382,7 +382,7 @@ const request_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed: TYPES[2].value(raw.speed, p) });
+    const values = Object.freeze({ speed: raw.speed / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -415,7 +415,7 @@ const request_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[3].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -448,7 +448,7 @@ const request_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[4].value(raw.max_speed, p), angle: TYPES[3].value(raw.angle, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -481,7 +481,7 @@ const request_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ spin_direction: d[1], angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ spin_direction: TYPES[5].value(raw.spin_direction, p), angle: TYPES[6].value(raw.angle, p) });
+    const values = Object.freeze({ spin_direction: TYPES[5].value(raw.spin_direction, p), angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -520,8 +520,8 @@ const request_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
     });
     const values = Object.freeze({
       spin_direction: TYPES[5].value(raw.spin_direction, p),
-      max_speed: TYPES[4].value(raw.max_speed, p),
-      angle: TYPES[6].value(raw.angle, p),
+      max_speed: raw.max_speed,
+      angle: raw.angle / 100,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -555,7 +555,7 @@ const request_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ increment: TYPES[3].value(raw.increment, p) });
+    const values = Object.freeze({ increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -588,7 +588,7 @@ const request_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[4].value(raw.max_speed, p), increment: TYPES[3].value(raw.increment, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -645,12 +645,12 @@ const request_write_pid_ram = /* @__PURE__ */ new Definition(LAYOUTS, {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle_kp: d[2], angle_ki: d[3], speed_kp: d[4], speed_ki: d[5], iq_kp: d[6], iq_ki: d[7] });
     const values = Object.freeze({
-      angle_kp: TYPES[7].value(raw.angle_kp, p),
-      angle_ki: TYPES[7].value(raw.angle_ki, p),
-      speed_kp: TYPES[7].value(raw.speed_kp, p),
-      speed_ki: TYPES[7].value(raw.speed_ki, p),
-      iq_kp: TYPES[7].value(raw.iq_kp, p),
-      iq_ki: TYPES[7].value(raw.iq_ki, p),
+      angle_kp: raw.angle_kp,
+      angle_ki: raw.angle_ki,
+      speed_kp: raw.speed_kp,
+      speed_ki: raw.speed_ki,
+      iq_kp: raw.iq_kp,
+      iq_ki: raw.iq_ki,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -685,12 +685,12 @@ const request_write_pid_rom = /* @__PURE__ */ new Definition(LAYOUTS, {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle_kp: d[2], angle_ki: d[3], speed_kp: d[4], speed_ki: d[5], iq_kp: d[6], iq_ki: d[7] });
     const values = Object.freeze({
-      angle_kp: TYPES[7].value(raw.angle_kp, p),
-      angle_ki: TYPES[7].value(raw.angle_ki, p),
-      speed_kp: TYPES[7].value(raw.speed_kp, p),
-      speed_ki: TYPES[7].value(raw.speed_ki, p),
-      iq_kp: TYPES[7].value(raw.iq_kp, p),
-      iq_ki: TYPES[7].value(raw.iq_ki, p),
+      angle_kp: raw.angle_kp,
+      angle_ki: raw.angle_ki,
+      speed_kp: raw.speed_kp,
+      speed_ki: raw.speed_ki,
+      iq_kp: raw.iq_kp,
+      iq_ki: raw.iq_ki,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -747,7 +747,7 @@ const request_write_acceleration_ram = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ acceleration: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ acceleration: TYPES[8].value(raw.acceleration, p) });
+    const values = Object.freeze({ acceleration: raw.acceleration });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1004,7 +1004,7 @@ const request_broadcast_torque = /* @__PURE__ */ new Definition(LAYOUTS, { comma
     const raw = Object.freeze({
       iq: Object.freeze([(d[0] | d[1] << 8) << 16 >> 16, (d[2] | d[3] << 8) << 16 >> 16, (d[4] | d[5] << 8) << 16 >> 16, (d[6] | d[7] << 8) << 16 >> 16]),
     });
-    const values = Object.freeze({ iq: TYPES[10].valueOfAll(raw.iq, p) });
+    const values = Object.freeze({ iq: Object.freeze(raw.iq.map((element) => element * 2 / 125)) });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1113,9 +1113,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
-          power: TYPES[0].value(raw.power, p),
-          speed: TYPES[12].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1130,9 +1130,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[1].value(raw.iq, p),
-          speed: TYPES[12].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1198,9 +1198,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
-          power: TYPES[0].value(raw.power, p),
-          speed: TYPES[12].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1215,9 +1215,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[1].value(raw.iq, p),
-          speed: TYPES[12].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1283,9 +1283,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
-          power: TYPES[0].value(raw.power, p),
-          speed: TYPES[12].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1300,9 +1300,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[1].value(raw.iq, p),
-          speed: TYPES[12].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1368,9 +1368,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
-          power: TYPES[0].value(raw.power, p),
-          speed: TYPES[12].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1385,9 +1385,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[1].value(raw.iq, p),
-          speed: TYPES[12].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1453,9 +1453,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
-          power: TYPES[0].value(raw.power, p),
-          speed: TYPES[12].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1470,9 +1470,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[1].value(raw.iq, p),
-          speed: TYPES[12].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1538,9 +1538,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
-          power: TYPES[0].value(raw.power, p),
-          speed: TYPES[12].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1555,9 +1555,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[1].value(raw.iq, p),
-          speed: TYPES[12].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1623,9 +1623,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
-          power: TYPES[0].value(raw.power, p),
-          speed: TYPES[12].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1640,9 +1640,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[1].value(raw.iq, p),
-          speed: TYPES[12].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1708,9 +1708,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
-          power: TYPES[0].value(raw.power, p),
-          speed: TYPES[12].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1725,9 +1725,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[1].value(raw.iq, p),
-          speed: TYPES[12].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1793,9 +1793,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
-          power: TYPES[0].value(raw.power, p),
-          speed: TYPES[12].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1810,9 +1810,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[1].value(raw.iq, p),
-          speed: TYPES[12].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1871,12 +1871,12 @@ const reply_read_pid = /* @__PURE__ */ new Definition(LAYOUTS, {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle_kp: d[2], angle_ki: d[3], speed_kp: d[4], speed_ki: d[5], iq_kp: d[6], iq_ki: d[7] });
     const values = Object.freeze({
-      angle_kp: TYPES[7].value(raw.angle_kp, p),
-      angle_ki: TYPES[7].value(raw.angle_ki, p),
-      speed_kp: TYPES[7].value(raw.speed_kp, p),
-      speed_ki: TYPES[7].value(raw.speed_ki, p),
-      iq_kp: TYPES[7].value(raw.iq_kp, p),
-      iq_ki: TYPES[7].value(raw.iq_ki, p),
+      angle_kp: raw.angle_kp,
+      angle_ki: raw.angle_ki,
+      speed_kp: raw.speed_kp,
+      speed_ki: raw.speed_ki,
+      iq_kp: raw.iq_kp,
+      iq_ki: raw.iq_ki,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -1911,12 +1911,12 @@ const reply_write_pid_ram = /* @__PURE__ */ new Definition(LAYOUTS, {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle_kp: d[2], angle_ki: d[3], speed_kp: d[4], speed_ki: d[5], iq_kp: d[6], iq_ki: d[7] });
     const values = Object.freeze({
-      angle_kp: TYPES[7].value(raw.angle_kp, p),
-      angle_ki: TYPES[7].value(raw.angle_ki, p),
-      speed_kp: TYPES[7].value(raw.speed_kp, p),
-      speed_ki: TYPES[7].value(raw.speed_ki, p),
-      iq_kp: TYPES[7].value(raw.iq_kp, p),
-      iq_ki: TYPES[7].value(raw.iq_ki, p),
+      angle_kp: raw.angle_kp,
+      angle_ki: raw.angle_ki,
+      speed_kp: raw.speed_kp,
+      speed_ki: raw.speed_ki,
+      iq_kp: raw.iq_kp,
+      iq_ki: raw.iq_ki,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -1951,12 +1951,12 @@ const reply_write_pid_rom = /* @__PURE__ */ new Definition(LAYOUTS, {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle_kp: d[2], angle_ki: d[3], speed_kp: d[4], speed_ki: d[5], iq_kp: d[6], iq_ki: d[7] });
     const values = Object.freeze({
-      angle_kp: TYPES[7].value(raw.angle_kp, p),
-      angle_ki: TYPES[7].value(raw.angle_ki, p),
-      speed_kp: TYPES[7].value(raw.speed_kp, p),
-      speed_ki: TYPES[7].value(raw.speed_ki, p),
-      iq_kp: TYPES[7].value(raw.iq_kp, p),
-      iq_ki: TYPES[7].value(raw.iq_ki, p),
+      angle_kp: raw.angle_kp,
+      angle_ki: raw.angle_ki,
+      speed_kp: raw.speed_kp,
+      speed_ki: raw.speed_ki,
+      iq_kp: raw.iq_kp,
+      iq_ki: raw.iq_ki,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -1990,7 +1990,7 @@ const reply_read_acceleration = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ acceleration: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ acceleration: TYPES[8].value(raw.acceleration, p) });
+    const values = Object.freeze({ acceleration: raw.acceleration });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2023,7 +2023,7 @@ const reply_write_acceleration_ram = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ acceleration: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ acceleration: TYPES[8].value(raw.acceleration, p) });
+    const values = Object.freeze({ acceleration: raw.acceleration });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2177,7 +2177,7 @@ const reply_read_single_turn_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ angle: TYPES[14].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2233,11 +2233,7 @@ const reply_read_status_1 = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ temperature: d[1] << 24 >> 24, voltage: d[3] | d[4] << 8, errors: d[7] });
-    const values = Object.freeze({
-      temperature: TYPES[11].value(raw.temperature, p),
-      voltage: TYPES[15].value(raw.voltage, p),
-      errors: TYPES[16].value(raw.errors, p),
-    });
+    const values = Object.freeze({ temperature: raw.temperature, voltage: raw.voltage / 10, errors: TYPES[16].value(raw.errors, p) });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2270,11 +2266,7 @@ const reply_clear_errors = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ temperature: d[1] << 24 >> 24, voltage: d[3] | d[4] << 8, errors: d[7] });
-    const values = Object.freeze({
-      temperature: TYPES[11].value(raw.temperature, p),
-      voltage: TYPES[15].value(raw.voltage, p),
-      errors: TYPES[16].value(raw.errors, p),
-    });
+    const values = Object.freeze({ temperature: raw.temperature, voltage: raw.voltage / 10, errors: TYPES[16].value(raw.errors, p) });
     return new MessageResult(this, node, p, frame, raw, values, d[0]);
   },
   write(given, p) {
@@ -2315,9 +2307,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
-          power: TYPES[0].value(raw.power, p),
-          speed: TYPES[12].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2332,9 +2324,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[11].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[1].value(raw.iq, p),
-          speed: TYPES[12].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[9].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2398,10 +2390,10 @@ const reply_read_status_3 = /* @__PURE__ */ new Definition(LAYOUTS, {
       phase_c: (d[6] | d[7] << 8) << 16 >> 16,
     });
     const values = Object.freeze({
-      temperature: TYPES[11].value(raw.temperature, p),
-      phase_a: TYPES[17].value(raw.phase_a, p),
-      phase_b: TYPES[17].value(raw.phase_b, p),
-      phase_c: TYPES[17].value(raw.phase_c, p),
+      temperature: raw.temperature,
+      phase_a: raw.phase_a / 64,
+      phase_b: raw.phase_b / 64,
+      phase_c: raw.phase_c / 64,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },

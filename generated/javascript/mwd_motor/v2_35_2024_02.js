@@ -370,7 +370,7 @@ const request_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ power: TYPES[1].value(raw.power, p) });
+    const values = Object.freeze({ power: raw.power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -420,7 +420,7 @@ const request_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed: TYPES[3].value(raw.speed, p) });
+    const values = Object.freeze({ speed: raw.speed / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -453,7 +453,7 @@ const request_set_speed_limited = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ iq_limit: (d[2] | d[3] << 8) << 16 >> 16, speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: TYPES[3].value(raw.speed, p) });
+    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: raw.speed / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -486,7 +486,7 @@ const request_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -519,7 +519,7 @@ const request_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -552,7 +552,7 @@ const request_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ spin_direction: d[1], angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: TYPES[7].value(raw.angle, p) });
+    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -591,8 +591,8 @@ const request_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
     });
     const values = Object.freeze({
       spin_direction: TYPES[6].value(raw.spin_direction, p),
-      max_speed: TYPES[5].value(raw.max_speed, p),
-      angle: TYPES[7].value(raw.angle, p),
+      max_speed: raw.max_speed,
+      angle: raw.angle / 100,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -626,7 +626,7 @@ const request_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -659,7 +659,7 @@ const request_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -761,7 +761,7 @@ const request_write_control_parameter_ram_torque_limit = /* @__PURE__ */ new Def
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ torque_limit: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ torque_limit: TYPES[8].value(raw.torque_limit, p) });
+    const values = Object.freeze({ torque_limit: raw.torque_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -785,7 +785,7 @@ const request_write_control_parameter_ram_acceleration_limit = /* @__PURE__ */ n
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ acceleration_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ acceleration_limit: TYPES[9].value(raw.acceleration_limit, p) });
+    const values = Object.freeze({ acceleration_limit: raw.acceleration_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -818,7 +818,7 @@ const request_write_control_parameter_ram_speed_limit = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_limit: TYPES[9].value(raw.speed_limit, p) });
+    const values = Object.freeze({ speed_limit: raw.speed_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -967,7 +967,7 @@ const request_set_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1194,9 +1194,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1211,9 +1211,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1279,9 +1279,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1296,9 +1296,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1364,9 +1364,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1381,9 +1381,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1449,9 +1449,9 @@ const reply_set_speed_limited = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1466,9 +1466,9 @@ const reply_set_speed_limited = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1534,9 +1534,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1551,9 +1551,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1619,9 +1619,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1636,9 +1636,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1704,9 +1704,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1721,9 +1721,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1789,9 +1789,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1806,9 +1806,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1874,9 +1874,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1891,9 +1891,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1959,9 +1959,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1976,9 +1976,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2036,7 +2036,7 @@ const reply_read_control_parameter_torque_limit = /* @__PURE__ */ new Definition
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ torque_limit: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ torque_limit: TYPES[8].value(raw.torque_limit, p) });
+    const values = Object.freeze({ torque_limit: raw.torque_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2060,7 +2060,7 @@ const reply_read_control_parameter_acceleration_limit = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ acceleration_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ acceleration_limit: TYPES[9].value(raw.acceleration_limit, p) });
+    const values = Object.freeze({ acceleration_limit: raw.acceleration_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2093,7 +2093,7 @@ const reply_read_control_parameter_speed_limit = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_limit: TYPES[9].value(raw.speed_limit, p) });
+    const values = Object.freeze({ speed_limit: raw.speed_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2126,7 +2126,7 @@ const reply_write_control_parameter_ram_torque_limit = /* @__PURE__ */ new Defin
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ torque_limit: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ torque_limit: TYPES[8].value(raw.torque_limit, p) });
+    const values = Object.freeze({ torque_limit: raw.torque_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2150,7 +2150,7 @@ const reply_write_control_parameter_ram_acceleration_limit = /* @__PURE__ */ new
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ acceleration_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ acceleration_limit: TYPES[9].value(raw.acceleration_limit, p) });
+    const values = Object.freeze({ acceleration_limit: raw.acceleration_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2183,7 +2183,7 @@ const reply_write_control_parameter_ram_speed_limit = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_limit: TYPES[9].value(raw.speed_limit, p) });
+    const values = Object.freeze({ speed_limit: raw.speed_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2337,7 +2337,7 @@ const reply_read_single_turn_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ angle: TYPES[17].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2370,7 +2370,7 @@ const reply_set_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2410,9 +2410,9 @@ const reply_read_status_1 = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
-      voltage: TYPES[18].value(raw.voltage, p),
-      current: TYPES[19].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[20].value(raw.motor_state, p),
       errors: TYPES[21].value(raw.errors, p),
     });
@@ -2455,9 +2455,9 @@ const reply_clear_errors = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
-      voltage: TYPES[18].value(raw.voltage, p),
-      current: TYPES[19].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[20].value(raw.motor_state, p),
       errors: TYPES[21].value(raw.errors, p),
     });
@@ -2501,9 +2501,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2518,9 +2518,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2584,7 +2584,7 @@ const reply_read_status_3 = /* @__PURE__ */ new Definition(LAYOUTS, {
       phase_c: (d[6] | d[7] << 8) << 16 >> 16,
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
+      temperature: raw.temperature,
       phase_a: TYPES[22].value(raw.phase_a, p),
       phase_b: TYPES[22].value(raw.phase_b, p),
       phase_c: TYPES[22].value(raw.phase_c, p),

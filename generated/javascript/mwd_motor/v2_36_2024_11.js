@@ -404,7 +404,7 @@ const request_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ power: TYPES[1].value(raw.power, p) });
+    const values = Object.freeze({ power: raw.power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -454,7 +454,7 @@ const request_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ iq_limit: (d[2] | d[3] << 8) << 16 >> 16, speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: TYPES[3].value(raw.speed, p) });
+    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: raw.speed / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -487,7 +487,7 @@ const request_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -520,7 +520,7 @@ const request_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -553,7 +553,7 @@ const request_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ spin_direction: d[1], angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: TYPES[7].value(raw.angle, p) });
+    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -592,8 +592,8 @@ const request_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
     });
     const values = Object.freeze({
       spin_direction: TYPES[6].value(raw.spin_direction, p),
-      max_speed: TYPES[5].value(raw.max_speed, p),
-      angle: TYPES[7].value(raw.angle, p),
+      max_speed: raw.max_speed,
+      angle: raw.angle / 100,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -627,7 +627,7 @@ const request_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -660,7 +660,7 @@ const request_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -877,7 +877,7 @@ const request_write_control_parameter_ram_angle_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -910,7 +910,7 @@ const request_write_control_parameter_ram_speed_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -943,7 +943,7 @@ const request_write_control_parameter_ram_current_pid = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -976,7 +976,7 @@ const request_write_control_parameter_ram_max_torque_current = /* @__PURE__ */ n
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1000,7 +1000,7 @@ const request_write_control_parameter_ram_max_speed = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1033,7 +1033,7 @@ const request_write_control_parameter_ram_max_angle = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[10].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1066,7 +1066,7 @@ const request_write_control_parameter_ram_current_ramp = /* @__PURE__ */ new Def
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ current_ramp: TYPES[10].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1099,7 +1099,7 @@ const request_write_control_parameter_ram_speed_ramp = /* @__PURE__ */ new Defin
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[10].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1224,7 +1224,7 @@ const request_set_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1451,9 +1451,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1468,9 +1468,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1536,9 +1536,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1553,9 +1553,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1621,9 +1621,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1638,9 +1638,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1706,9 +1706,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1723,9 +1723,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1791,9 +1791,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1808,9 +1808,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1876,9 +1876,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1893,9 +1893,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1961,9 +1961,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1978,9 +1978,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2046,9 +2046,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2063,9 +2063,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2131,9 +2131,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2148,9 +2148,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2208,7 +2208,7 @@ const reply_read_control_parameter_angle_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2241,7 +2241,7 @@ const reply_read_control_parameter_speed_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2274,7 +2274,7 @@ const reply_read_control_parameter_current_pid = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2307,7 +2307,7 @@ const reply_read_control_parameter_max_torque_current = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2331,7 +2331,7 @@ const reply_read_control_parameter_max_speed = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2364,7 +2364,7 @@ const reply_read_control_parameter_max_angle = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[10].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2397,7 +2397,7 @@ const reply_read_control_parameter_current_ramp = /* @__PURE__ */ new Definition
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ current_ramp: TYPES[10].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2430,7 +2430,7 @@ const reply_read_control_parameter_speed_ramp = /* @__PURE__ */ new Definition(L
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[10].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2463,7 +2463,7 @@ const reply_write_control_parameter_ram_angle_pid = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2496,7 +2496,7 @@ const reply_write_control_parameter_ram_speed_pid = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2529,7 +2529,7 @@ const reply_write_control_parameter_ram_current_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2562,7 +2562,7 @@ const reply_write_control_parameter_ram_max_torque_current = /* @__PURE__ */ new
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2586,7 +2586,7 @@ const reply_write_control_parameter_ram_max_speed = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2619,7 +2619,7 @@ const reply_write_control_parameter_ram_max_angle = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[10].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2652,7 +2652,7 @@ const reply_write_control_parameter_ram_current_ramp = /* @__PURE__ */ new Defin
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ current_ramp: TYPES[10].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2685,7 +2685,7 @@ const reply_write_control_parameter_ram_speed_ramp = /* @__PURE__ */ new Definit
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[10].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2815,7 +2815,7 @@ const reply_read_single_turn_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ angle: TYPES[18].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2848,7 +2848,7 @@ const reply_set_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2888,9 +2888,9 @@ const reply_read_status_1 = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
-      voltage: TYPES[19].value(raw.voltage, p),
-      current: TYPES[20].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[21].value(raw.motor_state, p),
       errors: TYPES[22].value(raw.errors, p),
     });
@@ -2933,9 +2933,9 @@ const reply_clear_errors = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
-      voltage: TYPES[19].value(raw.voltage, p),
-      current: TYPES[20].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[21].value(raw.motor_state, p),
       errors: TYPES[22].value(raw.errors, p),
     });
@@ -2979,9 +2979,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2996,9 +2996,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -3062,7 +3062,7 @@ const reply_read_status_3 = /* @__PURE__ */ new Definition(LAYOUTS, {
       phase_c: (d[6] | d[7] << 8) << 16 >> 16,
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
+      temperature: raw.temperature,
       phase_a: TYPES[23].value(raw.phase_a, p),
       phase_b: TYPES[23].value(raw.phase_b, p),
       phase_c: TYPES[23].value(raw.phase_c, p),

@@ -523,7 +523,7 @@ const request_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ power: TYPES[1].value(raw.power, p) });
+    const values = Object.freeze({ power: raw.power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -573,7 +573,7 @@ const request_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ iq_limit: (d[2] | d[3] << 8) << 16 >> 16, speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: TYPES[3].value(raw.speed, p) });
+    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: raw.speed / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -606,7 +606,7 @@ const request_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -639,7 +639,7 @@ const request_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -672,7 +672,7 @@ const request_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ spin_direction: d[1], angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: TYPES[7].value(raw.angle, p) });
+    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -711,8 +711,8 @@ const request_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
     });
     const values = Object.freeze({
       spin_direction: TYPES[6].value(raw.spin_direction, p),
-      max_speed: TYPES[5].value(raw.max_speed, p),
-      angle: TYPES[7].value(raw.angle, p),
+      max_speed: raw.max_speed,
+      angle: raw.angle / 100,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -746,7 +746,7 @@ const request_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -779,7 +779,7 @@ const request_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -996,7 +996,7 @@ const request_write_control_parameter_ram_angle_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1029,7 +1029,7 @@ const request_write_control_parameter_ram_speed_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1062,7 +1062,7 @@ const request_write_control_parameter_ram_current_pid = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1095,7 +1095,7 @@ const request_write_control_parameter_ram_max_torque_current = /* @__PURE__ */ n
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1119,7 +1119,7 @@ const request_write_control_parameter_ram_max_speed = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1152,7 +1152,7 @@ const request_write_control_parameter_ram_upper_angle = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ upper_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ upper_angle: TYPES[11].value(raw.upper_angle, p) });
+    const values = Object.freeze({ upper_angle: raw.upper_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1185,7 +1185,7 @@ const request_write_control_parameter_ram_lower_angle = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ lower_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ lower_angle: TYPES[11].value(raw.lower_angle, p) });
+    const values = Object.freeze({ lower_angle: raw.lower_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1218,7 +1218,7 @@ const request_write_control_parameter_ram_speed_ramp = /* @__PURE__ */ new Defin
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1798,7 +1798,7 @@ const request_stage_stored_setting_driver_id = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ driver_id: d[4] });
-    const values = Object.freeze({ driver_id: TYPES[13].value(raw.driver_id, p) });
+    const values = Object.freeze({ driver_id: raw.driver_id });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1910,7 +1910,7 @@ const request_stage_stored_setting_max_power = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_power: TYPES[9].value(raw.max_power, p) });
+    const values = Object.freeze({ max_power: raw.max_power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1938,7 +1938,7 @@ const request_stage_stored_setting_max_speed = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1975,7 +1975,7 @@ const request_stage_stored_setting_max_angle = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[17].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2012,7 +2012,7 @@ const request_stage_stored_setting_current_ramp = /* @__PURE__ */ new Definition
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ current_ramp: TYPES[18].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2040,7 +2040,7 @@ const request_stage_stored_setting_speed_ramp = /* @__PURE__ */ new Definition(L
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2073,7 +2073,7 @@ const request_stage_stored_setting_angle_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2106,7 +2106,7 @@ const request_stage_stored_setting_speed_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2139,7 +2139,7 @@ const request_stage_stored_setting_current_pid = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2301,9 +2301,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2318,9 +2318,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2386,9 +2386,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2403,9 +2403,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2471,9 +2471,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2488,9 +2488,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2556,9 +2556,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2573,9 +2573,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2641,9 +2641,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2658,9 +2658,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2726,9 +2726,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2743,9 +2743,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2811,9 +2811,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2828,9 +2828,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2896,9 +2896,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2913,9 +2913,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2981,9 +2981,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2998,9 +2998,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -3058,7 +3058,7 @@ const reply_read_control_parameter_angle_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3091,7 +3091,7 @@ const reply_read_control_parameter_speed_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3124,7 +3124,7 @@ const reply_read_control_parameter_current_pid = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3157,7 +3157,7 @@ const reply_read_control_parameter_max_torque_current = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3181,7 +3181,7 @@ const reply_read_control_parameter_max_speed = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3214,7 +3214,7 @@ const reply_read_control_parameter_upper_angle = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ upper_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ upper_angle: TYPES[11].value(raw.upper_angle, p) });
+    const values = Object.freeze({ upper_angle: raw.upper_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3247,7 +3247,7 @@ const reply_read_control_parameter_lower_angle = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ lower_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ lower_angle: TYPES[11].value(raw.lower_angle, p) });
+    const values = Object.freeze({ lower_angle: raw.lower_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3280,7 +3280,7 @@ const reply_read_control_parameter_speed_ramp = /* @__PURE__ */ new Definition(L
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3313,7 +3313,7 @@ const reply_write_control_parameter_ram_angle_pid = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3346,7 +3346,7 @@ const reply_write_control_parameter_ram_speed_pid = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3379,7 +3379,7 @@ const reply_write_control_parameter_ram_current_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3412,7 +3412,7 @@ const reply_write_control_parameter_ram_max_torque_current = /* @__PURE__ */ new
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3436,7 +3436,7 @@ const reply_write_control_parameter_ram_max_speed = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3469,7 +3469,7 @@ const reply_write_control_parameter_ram_upper_angle = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ upper_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ upper_angle: TYPES[11].value(raw.upper_angle, p) });
+    const values = Object.freeze({ upper_angle: raw.upper_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3502,7 +3502,7 @@ const reply_write_control_parameter_ram_lower_angle = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ lower_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ lower_angle: TYPES[11].value(raw.lower_angle, p) });
+    const values = Object.freeze({ lower_angle: raw.lower_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3535,7 +3535,7 @@ const reply_write_control_parameter_ram_speed_ramp = /* @__PURE__ */ new Definit
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3610,8 +3610,8 @@ const reply_calibrate_encoder = /* @__PURE__ */ new Definition(LAYOUTS, {
       align_state: d[7],
     });
     const values = Object.freeze({
-      align_value: TYPES[26].value(raw.align_value, p),
-      align_ratio: TYPES[27].value(raw.align_ratio, p),
+      align_value: raw.align_value,
+      align_ratio: raw.align_ratio,
       align_state: TYPES[28].value(raw.align_state, p),
     });
     return new MessageResult(this, node, p, frame, raw, values);
@@ -3706,7 +3706,7 @@ const reply_read_single_turn_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ angle: TYPES[30].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3769,9 +3769,9 @@ const reply_read_status_1 = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[21].value(raw.temperature, p),
-      voltage: TYPES[31].value(raw.voltage, p),
-      current: TYPES[32].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[33].value(raw.motor_state, p),
       errors: TYPES[34].value(raw.errors, p),
     });
@@ -3814,9 +3814,9 @@ const reply_clear_errors = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[21].value(raw.temperature, p),
-      voltage: TYPES[31].value(raw.voltage, p),
-      current: TYPES[32].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[33].value(raw.motor_state, p),
       errors: TYPES[34].value(raw.errors, p),
     });
@@ -3860,9 +3860,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -3877,9 +3877,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -3943,7 +3943,7 @@ const reply_read_status_3 = /* @__PURE__ */ new Definition(LAYOUTS, {
       phase_c: (d[6] | d[7] << 8) << 16 >> 16,
     });
     const values = Object.freeze({
-      temperature: TYPES[21].value(raw.temperature, p),
+      temperature: raw.temperature,
       phase_a: TYPES[35].value(raw.phase_a, p),
       phase_b: TYPES[35].value(raw.phase_b, p),
       phase_c: TYPES[35].value(raw.phase_c, p),
@@ -3984,7 +3984,7 @@ const reply_read_stored_setting_driver_id = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ driver_id: d[4] });
-    const values = Object.freeze({ driver_id: TYPES[13].value(raw.driver_id, p) });
+    const values = Object.freeze({ driver_id: raw.driver_id });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4096,7 +4096,7 @@ const reply_read_stored_setting_max_power = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_power: TYPES[9].value(raw.max_power, p) });
+    const values = Object.freeze({ max_power: raw.max_power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4124,7 +4124,7 @@ const reply_read_stored_setting_max_speed = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4161,7 +4161,7 @@ const reply_read_stored_setting_max_angle = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[17].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4198,7 +4198,7 @@ const reply_read_stored_setting_current_ramp = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ current_ramp: TYPES[18].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4226,7 +4226,7 @@ const reply_read_stored_setting_speed_ramp = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4259,7 +4259,7 @@ const reply_read_stored_setting_angle_pid = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4292,7 +4292,7 @@ const reply_read_stored_setting_speed_pid = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4325,7 +4325,7 @@ const reply_read_stored_setting_current_pid = /* @__PURE__ */ new Definition(LAY
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4362,7 +4362,7 @@ const reply_stage_stored_setting_driver_id = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ driver_id: d[4] });
-    const values = Object.freeze({ driver_id: TYPES[13].value(raw.driver_id, p) });
+    const values = Object.freeze({ driver_id: raw.driver_id });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4474,7 +4474,7 @@ const reply_stage_stored_setting_max_power = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_power: TYPES[9].value(raw.max_power, p) });
+    const values = Object.freeze({ max_power: raw.max_power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4502,7 +4502,7 @@ const reply_stage_stored_setting_max_speed = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4539,7 +4539,7 @@ const reply_stage_stored_setting_max_angle = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[17].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4576,7 +4576,7 @@ const reply_stage_stored_setting_current_ramp = /* @__PURE__ */ new Definition(L
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ current_ramp: TYPES[18].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4604,7 +4604,7 @@ const reply_stage_stored_setting_speed_ramp = /* @__PURE__ */ new Definition(LAY
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4637,7 +4637,7 @@ const reply_stage_stored_setting_angle_pid = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4670,7 +4670,7 @@ const reply_stage_stored_setting_speed_pid = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4703,7 +4703,7 @@ const reply_stage_stored_setting_current_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {

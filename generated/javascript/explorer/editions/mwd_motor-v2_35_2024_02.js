@@ -371,7 +371,7 @@ const request_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ power: TYPES[1].value(raw.power, p) });
+    const values = Object.freeze({ power: raw.power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -421,7 +421,7 @@ const request_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed: TYPES[3].value(raw.speed, p) });
+    const values = Object.freeze({ speed: raw.speed / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -454,7 +454,7 @@ const request_set_speed_limited = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ iq_limit: (d[2] | d[3] << 8) << 16 >> 16, speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: TYPES[3].value(raw.speed, p) });
+    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: raw.speed / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -487,7 +487,7 @@ const request_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -520,7 +520,7 @@ const request_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -553,7 +553,7 @@ const request_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ spin_direction: d[1], angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: TYPES[7].value(raw.angle, p) });
+    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -592,8 +592,8 @@ const request_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
     });
     const values = Object.freeze({
       spin_direction: TYPES[6].value(raw.spin_direction, p),
-      max_speed: TYPES[5].value(raw.max_speed, p),
-      angle: TYPES[7].value(raw.angle, p),
+      max_speed: raw.max_speed,
+      angle: raw.angle / 100,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -627,7 +627,7 @@ const request_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -660,7 +660,7 @@ const request_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -762,7 +762,7 @@ const request_write_control_parameter_ram_torque_limit = /* @__PURE__ */ new Def
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ torque_limit: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ torque_limit: TYPES[8].value(raw.torque_limit, p) });
+    const values = Object.freeze({ torque_limit: raw.torque_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -786,7 +786,7 @@ const request_write_control_parameter_ram_acceleration_limit = /* @__PURE__ */ n
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ acceleration_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ acceleration_limit: TYPES[9].value(raw.acceleration_limit, p) });
+    const values = Object.freeze({ acceleration_limit: raw.acceleration_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -819,7 +819,7 @@ const request_write_control_parameter_ram_speed_limit = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_limit: TYPES[9].value(raw.speed_limit, p) });
+    const values = Object.freeze({ speed_limit: raw.speed_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -968,7 +968,7 @@ const request_set_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1195,9 +1195,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1212,9 +1212,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1280,9 +1280,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1297,9 +1297,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1365,9 +1365,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1382,9 +1382,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1450,9 +1450,9 @@ const reply_set_speed_limited = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1467,9 +1467,9 @@ const reply_set_speed_limited = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1535,9 +1535,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1552,9 +1552,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1620,9 +1620,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1637,9 +1637,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1705,9 +1705,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1722,9 +1722,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1790,9 +1790,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1807,9 +1807,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1875,9 +1875,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1892,9 +1892,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1960,9 +1960,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1977,9 +1977,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2037,7 +2037,7 @@ const reply_read_control_parameter_torque_limit = /* @__PURE__ */ new Definition
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ torque_limit: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ torque_limit: TYPES[8].value(raw.torque_limit, p) });
+    const values = Object.freeze({ torque_limit: raw.torque_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2061,7 +2061,7 @@ const reply_read_control_parameter_acceleration_limit = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ acceleration_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ acceleration_limit: TYPES[9].value(raw.acceleration_limit, p) });
+    const values = Object.freeze({ acceleration_limit: raw.acceleration_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2094,7 +2094,7 @@ const reply_read_control_parameter_speed_limit = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_limit: TYPES[9].value(raw.speed_limit, p) });
+    const values = Object.freeze({ speed_limit: raw.speed_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2127,7 +2127,7 @@ const reply_write_control_parameter_ram_torque_limit = /* @__PURE__ */ new Defin
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ torque_limit: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ torque_limit: TYPES[8].value(raw.torque_limit, p) });
+    const values = Object.freeze({ torque_limit: raw.torque_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2151,7 +2151,7 @@ const reply_write_control_parameter_ram_acceleration_limit = /* @__PURE__ */ new
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ acceleration_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ acceleration_limit: TYPES[9].value(raw.acceleration_limit, p) });
+    const values = Object.freeze({ acceleration_limit: raw.acceleration_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2184,7 +2184,7 @@ const reply_write_control_parameter_ram_speed_limit = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_limit: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_limit: TYPES[9].value(raw.speed_limit, p) });
+    const values = Object.freeze({ speed_limit: raw.speed_limit });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2338,7 +2338,7 @@ const reply_read_single_turn_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ angle: TYPES[17].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2371,7 +2371,7 @@ const reply_set_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2411,9 +2411,9 @@ const reply_read_status_1 = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
-      voltage: TYPES[18].value(raw.voltage, p),
-      current: TYPES[19].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[20].value(raw.motor_state, p),
       errors: TYPES[21].value(raw.errors, p),
     });
@@ -2456,9 +2456,9 @@ const reply_clear_errors = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
-      voltage: TYPES[18].value(raw.voltage, p),
-      current: TYPES[19].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[20].value(raw.motor_state, p),
       errors: TYPES[21].value(raw.errors, p),
     });
@@ -2502,9 +2502,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2519,9 +2519,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[10].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2585,7 +2585,7 @@ const reply_read_status_3 = /* @__PURE__ */ new Definition(LAYOUTS, {
       phase_c: (d[6] | d[7] << 8) << 16 >> 16,
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
+      temperature: raw.temperature,
       phase_a: TYPES[22].value(raw.phase_a, p),
       phase_b: TYPES[22].value(raw.phase_b, p),
       phase_c: TYPES[22].value(raw.phase_c, p),

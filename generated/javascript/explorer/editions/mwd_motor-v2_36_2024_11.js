@@ -405,7 +405,7 @@ const request_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ power: TYPES[1].value(raw.power, p) });
+    const values = Object.freeze({ power: raw.power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -455,7 +455,7 @@ const request_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ iq_limit: (d[2] | d[3] << 8) << 16 >> 16, speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: TYPES[3].value(raw.speed, p) });
+    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: raw.speed / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -488,7 +488,7 @@ const request_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -521,7 +521,7 @@ const request_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -554,7 +554,7 @@ const request_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ spin_direction: d[1], angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: TYPES[7].value(raw.angle, p) });
+    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -593,8 +593,8 @@ const request_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
     });
     const values = Object.freeze({
       spin_direction: TYPES[6].value(raw.spin_direction, p),
-      max_speed: TYPES[5].value(raw.max_speed, p),
-      angle: TYPES[7].value(raw.angle, p),
+      max_speed: raw.max_speed,
+      angle: raw.angle / 100,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -628,7 +628,7 @@ const request_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -661,7 +661,7 @@ const request_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -878,7 +878,7 @@ const request_write_control_parameter_ram_angle_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -911,7 +911,7 @@ const request_write_control_parameter_ram_speed_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -944,7 +944,7 @@ const request_write_control_parameter_ram_current_pid = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -977,7 +977,7 @@ const request_write_control_parameter_ram_max_torque_current = /* @__PURE__ */ n
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1001,7 +1001,7 @@ const request_write_control_parameter_ram_max_speed = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1034,7 +1034,7 @@ const request_write_control_parameter_ram_max_angle = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[10].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1067,7 +1067,7 @@ const request_write_control_parameter_ram_current_ramp = /* @__PURE__ */ new Def
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ current_ramp: TYPES[10].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1100,7 +1100,7 @@ const request_write_control_parameter_ram_speed_ramp = /* @__PURE__ */ new Defin
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[10].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1225,7 +1225,7 @@ const request_set_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1452,9 +1452,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1469,9 +1469,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1537,9 +1537,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1554,9 +1554,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1622,9 +1622,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1639,9 +1639,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1707,9 +1707,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1724,9 +1724,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1792,9 +1792,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1809,9 +1809,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1877,9 +1877,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1894,9 +1894,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1962,9 +1962,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -1979,9 +1979,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2047,9 +2047,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2064,9 +2064,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2132,9 +2132,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2149,9 +2149,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2209,7 +2209,7 @@ const reply_read_control_parameter_angle_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2242,7 +2242,7 @@ const reply_read_control_parameter_speed_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2275,7 +2275,7 @@ const reply_read_control_parameter_current_pid = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2308,7 +2308,7 @@ const reply_read_control_parameter_max_torque_current = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2332,7 +2332,7 @@ const reply_read_control_parameter_max_speed = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2365,7 +2365,7 @@ const reply_read_control_parameter_max_angle = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[10].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2398,7 +2398,7 @@ const reply_read_control_parameter_current_ramp = /* @__PURE__ */ new Definition
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ current_ramp: TYPES[10].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2431,7 +2431,7 @@ const reply_read_control_parameter_speed_ramp = /* @__PURE__ */ new Definition(L
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[10].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2464,7 +2464,7 @@ const reply_write_control_parameter_ram_angle_pid = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2497,7 +2497,7 @@ const reply_write_control_parameter_ram_speed_pid = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2530,7 +2530,7 @@ const reply_write_control_parameter_ram_current_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2563,7 +2563,7 @@ const reply_write_control_parameter_ram_max_torque_current = /* @__PURE__ */ new
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2587,7 +2587,7 @@ const reply_write_control_parameter_ram_max_speed = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2620,7 +2620,7 @@ const reply_write_control_parameter_ram_max_angle = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[10].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2653,7 +2653,7 @@ const reply_write_control_parameter_ram_current_ramp = /* @__PURE__ */ new Defin
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ current_ramp: TYPES[10].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2686,7 +2686,7 @@ const reply_write_control_parameter_ram_speed_ramp = /* @__PURE__ */ new Definit
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[10].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2816,7 +2816,7 @@ const reply_read_single_turn_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ angle: TYPES[18].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2849,7 +2849,7 @@ const reply_set_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2889,9 +2889,9 @@ const reply_read_status_1 = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
-      voltage: TYPES[19].value(raw.voltage, p),
-      current: TYPES[20].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[21].value(raw.motor_state, p),
       errors: TYPES[22].value(raw.errors, p),
     });
@@ -2934,9 +2934,9 @@ const reply_clear_errors = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
-      voltage: TYPES[19].value(raw.voltage, p),
-      current: TYPES[20].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[21].value(raw.motor_state, p),
       errors: TYPES[22].value(raw.errors, p),
     });
@@ -2980,9 +2980,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
-          power: TYPES[13].value(raw.power, p),
-          speed: TYPES[15].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2997,9 +2997,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[12].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[14].value(raw.iq, p),
-          speed: TYPES[15].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[16].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -3063,7 +3063,7 @@ const reply_read_status_3 = /* @__PURE__ */ new Definition(LAYOUTS, {
       phase_c: (d[6] | d[7] << 8) << 16 >> 16,
     });
     const values = Object.freeze({
-      temperature: TYPES[12].value(raw.temperature, p),
+      temperature: raw.temperature,
       phase_a: TYPES[23].value(raw.phase_a, p),
       phase_b: TYPES[23].value(raw.phase_b, p),
       phase_c: TYPES[23].value(raw.phase_c, p),

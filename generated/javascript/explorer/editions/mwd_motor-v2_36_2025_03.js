@@ -524,7 +524,7 @@ const request_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ power: TYPES[1].value(raw.power, p) });
+    const values = Object.freeze({ power: raw.power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -574,7 +574,7 @@ const request_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ iq_limit: (d[2] | d[3] << 8) << 16 >> 16, speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: TYPES[3].value(raw.speed, p) });
+    const values = Object.freeze({ iq_limit: TYPES[2].value(raw.iq_limit, p), speed: raw.speed / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -607,7 +607,7 @@ const request_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -640,7 +640,7 @@ const request_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), angle: TYPES[4].value(raw.angle, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -673,7 +673,7 @@ const request_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ spin_direction: d[1], angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: TYPES[7].value(raw.angle, p) });
+    const values = Object.freeze({ spin_direction: TYPES[6].value(raw.spin_direction, p), angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -712,8 +712,8 @@ const request_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
     });
     const values = Object.freeze({
       spin_direction: TYPES[6].value(raw.spin_direction, p),
-      max_speed: TYPES[5].value(raw.max_speed, p),
-      angle: TYPES[7].value(raw.angle, p),
+      max_speed: raw.max_speed,
+      angle: raw.angle / 100,
     });
     return new MessageResult(this, node, p, frame, raw, values);
   },
@@ -747,7 +747,7 @@ const request_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -780,7 +780,7 @@ const request_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[2] | d[3] << 8, increment: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[5].value(raw.max_speed, p), increment: TYPES[4].value(raw.increment, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed, increment: raw.increment / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -997,7 +997,7 @@ const request_write_control_parameter_ram_angle_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1030,7 +1030,7 @@ const request_write_control_parameter_ram_speed_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1063,7 +1063,7 @@ const request_write_control_parameter_ram_current_pid = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1096,7 +1096,7 @@ const request_write_control_parameter_ram_max_torque_current = /* @__PURE__ */ n
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1120,7 +1120,7 @@ const request_write_control_parameter_ram_max_speed = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1153,7 +1153,7 @@ const request_write_control_parameter_ram_upper_angle = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ upper_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ upper_angle: TYPES[11].value(raw.upper_angle, p) });
+    const values = Object.freeze({ upper_angle: raw.upper_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1186,7 +1186,7 @@ const request_write_control_parameter_ram_lower_angle = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ lower_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ lower_angle: TYPES[11].value(raw.lower_angle, p) });
+    const values = Object.freeze({ lower_angle: raw.lower_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1219,7 +1219,7 @@ const request_write_control_parameter_ram_speed_ramp = /* @__PURE__ */ new Defin
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1799,7 +1799,7 @@ const request_stage_stored_setting_driver_id = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ driver_id: d[4] });
-    const values = Object.freeze({ driver_id: TYPES[13].value(raw.driver_id, p) });
+    const values = Object.freeze({ driver_id: raw.driver_id });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1911,7 +1911,7 @@ const request_stage_stored_setting_max_power = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_power: TYPES[9].value(raw.max_power, p) });
+    const values = Object.freeze({ max_power: raw.max_power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1939,7 +1939,7 @@ const request_stage_stored_setting_max_speed = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -1976,7 +1976,7 @@ const request_stage_stored_setting_max_angle = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[17].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2013,7 +2013,7 @@ const request_stage_stored_setting_current_ramp = /* @__PURE__ */ new Definition
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ current_ramp: TYPES[18].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2041,7 +2041,7 @@ const request_stage_stored_setting_speed_ramp = /* @__PURE__ */ new Definition(L
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2074,7 +2074,7 @@ const request_stage_stored_setting_angle_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2107,7 +2107,7 @@ const request_stage_stored_setting_speed_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2140,7 +2140,7 @@ const request_stage_stored_setting_current_pid = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -2302,9 +2302,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2319,9 +2319,9 @@ const reply_set_power = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2387,9 +2387,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2404,9 +2404,9 @@ const reply_set_torque = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2472,9 +2472,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2489,9 +2489,9 @@ const reply_set_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2557,9 +2557,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2574,9 +2574,9 @@ const reply_move_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2642,9 +2642,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2659,9 +2659,9 @@ const reply_move_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2727,9 +2727,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2744,9 +2744,9 @@ const reply_turn_to_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2812,9 +2812,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2829,9 +2829,9 @@ const reply_turn_to_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2897,9 +2897,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2914,9 +2914,9 @@ const reply_move_by_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2982,9 +2982,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -2999,9 +2999,9 @@ const reply_move_by_angle_at_speed = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -3059,7 +3059,7 @@ const reply_read_control_parameter_angle_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3092,7 +3092,7 @@ const reply_read_control_parameter_speed_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3125,7 +3125,7 @@ const reply_read_control_parameter_current_pid = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3158,7 +3158,7 @@ const reply_read_control_parameter_max_torque_current = /* @__PURE__ */ new Defi
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3182,7 +3182,7 @@ const reply_read_control_parameter_max_speed = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3215,7 +3215,7 @@ const reply_read_control_parameter_upper_angle = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ upper_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ upper_angle: TYPES[11].value(raw.upper_angle, p) });
+    const values = Object.freeze({ upper_angle: raw.upper_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3248,7 +3248,7 @@ const reply_read_control_parameter_lower_angle = /* @__PURE__ */ new Definition(
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ lower_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ lower_angle: TYPES[11].value(raw.lower_angle, p) });
+    const values = Object.freeze({ lower_angle: raw.lower_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3281,7 +3281,7 @@ const reply_read_control_parameter_speed_ramp = /* @__PURE__ */ new Definition(L
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3314,7 +3314,7 @@ const reply_write_control_parameter_ram_angle_pid = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3347,7 +3347,7 @@ const reply_write_control_parameter_ram_speed_pid = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3380,7 +3380,7 @@ const reply_write_control_parameter_ram_current_pid = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3413,7 +3413,7 @@ const reply_write_control_parameter_ram_max_torque_current = /* @__PURE__ */ new
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_torque_current: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_torque_current: TYPES[9].value(raw.max_torque_current, p) });
+    const values = Object.freeze({ max_torque_current: raw.max_torque_current });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3437,7 +3437,7 @@ const reply_write_control_parameter_ram_max_speed = /* @__PURE__ */ new Definiti
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3470,7 +3470,7 @@ const reply_write_control_parameter_ram_upper_angle = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ upper_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ upper_angle: TYPES[11].value(raw.upper_angle, p) });
+    const values = Object.freeze({ upper_angle: raw.upper_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3503,7 +3503,7 @@ const reply_write_control_parameter_ram_lower_angle = /* @__PURE__ */ new Defini
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ lower_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ lower_angle: TYPES[11].value(raw.lower_angle, p) });
+    const values = Object.freeze({ lower_angle: raw.lower_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3536,7 +3536,7 @@ const reply_write_control_parameter_ram_speed_ramp = /* @__PURE__ */ new Definit
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3611,8 +3611,8 @@ const reply_calibrate_encoder = /* @__PURE__ */ new Definition(LAYOUTS, {
       align_state: d[7],
     });
     const values = Object.freeze({
-      align_value: TYPES[26].value(raw.align_value, p),
-      align_ratio: TYPES[27].value(raw.align_ratio, p),
+      align_value: raw.align_value,
+      align_ratio: raw.align_ratio,
       align_state: TYPES[28].value(raw.align_state, p),
     });
     return new MessageResult(this, node, p, frame, raw, values);
@@ -3707,7 +3707,7 @@ const reply_read_single_turn_angle = /* @__PURE__ */ new Definition(LAYOUTS, {
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ angle: (d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24) >>> 0 });
-    const values = Object.freeze({ angle: TYPES[30].value(raw.angle, p) });
+    const values = Object.freeze({ angle: raw.angle / 100 });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -3770,9 +3770,9 @@ const reply_read_status_1 = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[21].value(raw.temperature, p),
-      voltage: TYPES[31].value(raw.voltage, p),
-      current: TYPES[32].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[33].value(raw.motor_state, p),
       errors: TYPES[34].value(raw.errors, p),
     });
@@ -3815,9 +3815,9 @@ const reply_clear_errors = /* @__PURE__ */ new Definition(LAYOUTS, {
       errors: d[7],
     });
     const values = Object.freeze({
-      temperature: TYPES[21].value(raw.temperature, p),
-      voltage: TYPES[31].value(raw.voltage, p),
-      current: TYPES[32].value(raw.current, p),
+      temperature: raw.temperature,
+      voltage: raw.voltage / 100,
+      current: raw.current / 100,
       motor_state: TYPES[33].value(raw.motor_state, p),
       errors: TYPES[34].value(raw.errors, p),
     });
@@ -3861,9 +3861,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
-          power: TYPES[22].value(raw.power, p),
-          speed: TYPES[24].value(raw.speed, p),
+          temperature: raw.temperature,
+          power: raw.power,
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -3878,9 +3878,9 @@ const reply_read_status_2 = /* @__PURE__ */ new Definition(LAYOUTS, {
           encoder: d[6] | d[7] << 8,
         });
         const values = Object.freeze({
-          temperature: TYPES[21].value(raw.temperature, p),
+          temperature: raw.temperature,
           iq: TYPES[23].value(raw.iq, p),
-          speed: TYPES[24].value(raw.speed, p),
+          speed: raw.speed,
           encoder: TYPES[25].value(raw.encoder, p),
         });
         return new MessageResult(this, node, p, frame, raw, values);
@@ -3944,7 +3944,7 @@ const reply_read_status_3 = /* @__PURE__ */ new Definition(LAYOUTS, {
       phase_c: (d[6] | d[7] << 8) << 16 >> 16,
     });
     const values = Object.freeze({
-      temperature: TYPES[21].value(raw.temperature, p),
+      temperature: raw.temperature,
       phase_a: TYPES[35].value(raw.phase_a, p),
       phase_b: TYPES[35].value(raw.phase_b, p),
       phase_c: TYPES[35].value(raw.phase_c, p),
@@ -3985,7 +3985,7 @@ const reply_read_stored_setting_driver_id = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ driver_id: d[4] });
-    const values = Object.freeze({ driver_id: TYPES[13].value(raw.driver_id, p) });
+    const values = Object.freeze({ driver_id: raw.driver_id });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4097,7 +4097,7 @@ const reply_read_stored_setting_max_power = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_power: TYPES[9].value(raw.max_power, p) });
+    const values = Object.freeze({ max_power: raw.max_power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4125,7 +4125,7 @@ const reply_read_stored_setting_max_speed = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4162,7 +4162,7 @@ const reply_read_stored_setting_max_angle = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[17].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4199,7 +4199,7 @@ const reply_read_stored_setting_current_ramp = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ current_ramp: TYPES[18].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4227,7 +4227,7 @@ const reply_read_stored_setting_speed_ramp = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4260,7 +4260,7 @@ const reply_read_stored_setting_angle_pid = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4293,7 +4293,7 @@ const reply_read_stored_setting_speed_pid = /* @__PURE__ */ new Definition(LAYOU
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4326,7 +4326,7 @@ const reply_read_stored_setting_current_pid = /* @__PURE__ */ new Definition(LAY
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4363,7 +4363,7 @@ const reply_stage_stored_setting_driver_id = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ driver_id: d[4] });
-    const values = Object.freeze({ driver_id: TYPES[13].value(raw.driver_id, p) });
+    const values = Object.freeze({ driver_id: raw.driver_id });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4475,7 +4475,7 @@ const reply_stage_stored_setting_max_power = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_power: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ max_power: TYPES[9].value(raw.max_power, p) });
+    const values = Object.freeze({ max_power: raw.max_power });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4503,7 +4503,7 @@ const reply_stage_stored_setting_max_speed = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_speed: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_speed: TYPES[10].value(raw.max_speed, p) });
+    const values = Object.freeze({ max_speed: raw.max_speed });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4540,7 +4540,7 @@ const reply_stage_stored_setting_max_angle = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ max_angle: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ max_angle: TYPES[17].value(raw.max_angle, p) });
+    const values = Object.freeze({ max_angle: raw.max_angle });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4577,7 +4577,7 @@ const reply_stage_stored_setting_current_ramp = /* @__PURE__ */ new Definition(L
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ current_ramp: (d[4] | d[5] << 8) << 16 >> 16 });
-    const values = Object.freeze({ current_ramp: TYPES[18].value(raw.current_ramp, p) });
+    const values = Object.freeze({ current_ramp: raw.current_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4605,7 +4605,7 @@ const reply_stage_stored_setting_speed_ramp = /* @__PURE__ */ new Definition(LAY
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ speed_ramp: d[4] | d[5] << 8 | d[6] << 16 | d[7] << 24 });
-    const values = Object.freeze({ speed_ramp: TYPES[12].value(raw.speed_ramp, p) });
+    const values = Object.freeze({ speed_ramp: raw.speed_ramp });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4638,7 +4638,7 @@ const reply_stage_stored_setting_angle_pid = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4671,7 +4671,7 @@ const reply_stage_stored_setting_speed_pid = /* @__PURE__ */ new Definition(LAYO
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {
@@ -4704,7 +4704,7 @@ const reply_stage_stored_setting_current_pid = /* @__PURE__ */ new Definition(LA
   read(frame, node, p) {
     const { id, data: d } = frame;
     const raw = Object.freeze({ kp: d[2] | d[3] << 8, ki: d[4] | d[5] << 8, kd: d[6] | d[7] << 8 });
-    const values = Object.freeze({ kp: TYPES[8].value(raw.kp, p), ki: TYPES[8].value(raw.ki, p), kd: TYPES[8].value(raw.kd, p) });
+    const values = Object.freeze({ kp: raw.kp, ki: raw.ki, kd: raw.kd });
     return new MessageResult(this, node, p, frame, raw, values);
   },
   write(given, p) {

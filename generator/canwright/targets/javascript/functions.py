@@ -13,7 +13,7 @@ from ...model.exhaustive import assert_never
 from ...model.layout import Field, Segment, Space
 from ...model.message import BitRun, Direction, Message
 from ...model.refusal import Refusal
-from ...model.types import Encoding
+from ...model.types import Encoding, Type
 from ...semantics import dispatch
 from ...semantics.bits import placed
 from ...semantics.checksum import ChecksumPlan
@@ -213,8 +213,14 @@ class Functions:
 
     def _value(self, field: Field) -> str:
         """The expression of the value of a field."""
-        function = "valueOfAll" if field.is_array else "value"
-        return f"TYPES[{self._types[field.type]}].{function}(raw.{field.name}, p)"
+        raw, own = f"raw.{field.name}", f"TYPES[{self._types[field.type]}]"
+        each = "element" if field.is_array else raw
+        scaled = "" if field.type.joined else _scaled(field.type, each)
+        if scaled == each:
+            return raw
+        if field.is_array:
+            return f"Object.freeze({raw}.map((element) => {scaled}))" if scaled else f"{own}.valueOfAll({raw}, p)"
+        return scaled or f"{own}.value({raw}, p)"
 
     def _encoding(self, message: Message, steps: Sequence[EncodingStep], present: Collection[Field]) -> Lines:
         """The statements of steps, of which those of fields that are not present are left out."""
@@ -374,3 +380,25 @@ def _required(field: Field, parameter: str) -> str:
     """The expression of the raw integer of a constant that is a parameter."""
     value = f"required(p, {text.quoted(parameter)}, {text.quoted(field.name)})"
     return f"BigInt({value})" if field.type.width > 53 else value
+
+
+def _scaled(type_: Type, raw: str) -> str:
+    """The value of a number in doubles, rounded once; empty if that takes more, or depends on a parameter."""
+    linear = type_.linear.constant
+    is_float = type_.encoding is Encoding.FLOAT
+    if not type_.is_number or is_float or type_.no_values or linear is None or linear.times is not None:
+        return ""
+    if linear.is_identity:
+        return raw
+    factor, addend, divisor = linear.as_quotient
+    largest = max(map(abs, type_.raw_limits)) * abs(factor) + abs(addend)
+    if type_.width > 53 or max(largest, divisor) > text.EXACT:
+        return ""
+    dividend = raw if abs(factor) == 1 else f"{raw} * {abs(factor)}"
+    if factor < 0:
+        dividend = f"{addend} - {dividend}"
+    elif addend:
+        dividend += f" {'+' if addend > 0 else '-'} {abs(addend)}"
+    if divisor == 1:
+        return dividend
+    return f"({dividend}) / {divisor}" if factor < 0 or addend else f"{dividend} / {divisor}"
