@@ -98,11 +98,14 @@ def build(
     standard: str = "c99",
     compiler: Compiler = ZIG,
 ) -> Path:
-    """A program; without other flags it is not optimized, which takes ten times as long, and stops where it is wrong.
+    """A program from sources in C; without other flags it is not optimized, which takes ten times as long, and stops where it
+    is wrong.
 
     Processes of one test run compile equal files once: `PROGRAMS` of the environment is the folder that they share.
     """
     options = (*WARNINGS, *(flags or ("-O0", "-g0", *SANITIZED)))
+    if compiler is ZIG and standard.startswith("c++"):
+        options += ("-nostdlib++",)  # zig would first build the library, for a minute
     if PROGRAMS not in os.environ:
         compiler.run(standard, *options, f"-I{include}", *sources, "-o", program)
         return program

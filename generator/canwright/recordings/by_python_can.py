@@ -25,6 +25,7 @@ def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[LogFrame
     opened = _reader(form)
     counted = _Counted(source)
     objects, size, listed = 0, 0, 0
+    is_whole = False
     with _silent():
         try:
             reader = opened(source if form == "mf4" else counted)
@@ -36,8 +37,11 @@ def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[LogFrame
                     counts.skip(recorded)
                 else:
                     yield recorded
+            is_whole = True
         except Exception as error:  # each reader has its own
             counts.skip(SkippedPart.TRUNCATED, 0, str(error) or type(error).__name__)
+        if not is_whole:
+            gc.collect()  # objects that are left half made refer to themselves, and print when they are deleted
             return
     if form == "blf" and counted.size < size:
         counts.skip(SkippedPart.TRUNCATED, 0, f"{counted.size} of {size} bytes")
@@ -56,7 +60,6 @@ def _silent() -> Iterator[None]:
         sys.unraisablehook = lambda _: None
         yield
     finally:
-        gc.collect()  # such objects refer to themselves
         sys.unraisablehook = hook
         for name, level in levels.items():
             logging.getLogger(name).setLevel(level)
