@@ -116,7 +116,7 @@ def test_decimal_digits_at_the_end_of_a_text_may_be_cut_off(tmp_path: Path) -> N
     assert len(frames) == 1 and counts.skipped == {SkippedPart.TRUNCATED: 1}
 
 
-@pytest.mark.parametrize("header", [ASC + "x\n" * 300_000, TRC2 + ";\n" * 300_000, ";$FILEVERSION=1.1\n" * 20_000])
+@pytest.mark.parametrize("header", [ASC + "x\n" * 60_000, TRC2 + ";\n" * 60_000, ";$FILEVERSION=1.1\n" * 20_000])
 def test_a_header_without_an_end_needs_no_memory(tmp_path: Path, header: str) -> None:
     file = tmp_path / "log"
     file.write_bytes(gzip.compress(header.encode()))
