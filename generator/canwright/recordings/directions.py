@@ -626,8 +626,7 @@ class Directions:
 
     def _close(self, exchange: _Exchange, reply: Message) -> None:
         """Counts a reply; the last one closes the exchange, and so does one that is sent instead of others."""
-        is_last = any(r.is_alternative and r.message is reply for r in exchange.rule.frame_class.command.replies)
-        exchange.missing = 0 if is_last else exchange.missing - 1
+        exchange.missing = 0 if reply in exchange.rule.frame_class.alternatives else exchange.missing - 1
         open_ = exchange.request.bus.open
         channel = open_.get(exchange.channel)
         if not exchange.missing and channel and exchange in channel:

@@ -122,6 +122,11 @@ class FrameClass:
         return self.request is not None and self.command.is_echoed
 
     @cached_property
+    def alternatives(self) -> frozenset[Message]:
+        """The replies that a node sends instead of others."""
+        return frozenset(reply.message for reply in self.command.replies if reply.is_alternative)
+
+    @cached_property
     def has_node_in_data(self) -> bool:
         """Whether the node in the data of the request or of a reply decides which frames answer it."""
         plans = exchange_plans(self.edition)[self.request.message] if self.request else ()
@@ -364,16 +369,21 @@ def _allows(type_: Type) -> Callable[[Any], Any] | None:
         unnamed = (full - 1) & ~cases[0].mask
         return lambda bits: bits & unnamed == 0
     if isinstance(cases[0], NamedRaws):
-        runs = [_is_between(run.start, run.stop - 1, full) for run in cases[0].runs]
-        return lambda bits: functools.reduce(operator.or_, [is_between(bits) for is_between in runs])
+        return _any_of([_is_between(run.start, run.stop - 1, full) for run in cases[0].runs])
     spans = [case for case in cases if isinstance(case, RawInterval) and not (case.low_bound or case.high_bound)]
     if len(spans) < len(cases):
         return None
     limits = min(span.low for span in spans), max(span.high for span in spans)
     if limits == type_.number_limits:
         return None
-    between = [_is_between(*limits, full), *(_is_between(raws[0], raws[-1], full) for raws in spans[0].no_values)]
-    return lambda bits: functools.reduce(operator.or_, [is_between(bits) for is_between in between])
+    return _any_of([_is_between(*limits, full), *(_is_between(r[0], r[-1], full) for r in spans[0].no_values)])
+
+
+def _any_of(tests: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
+    """Whether raw bits pass one of the tests."""
+    if len(tests) == 1:
+        return tests[0]
+    return lambda bits: functools.reduce(operator.or_, [test(bits) for test in tests])
 
 
 def _is_between(low: int, high: int, full: int) -> Callable[[Any], Any]:
