@@ -16,7 +16,7 @@ from ..spec_texts import MINIMAL, ROOT
 
 PROJECT = (ROOT / "pyproject.toml").read_text("utf-8")
 WITHOUT_ADAPTER = {
-    "handover": "its documents are for readers; tests/project/test_handover.py compares them with the edition"
+    "handover": "its tables name ids and codes in texts for readers; tests/project/test_handover.py decodes golden frames with their fields"
 }
 
 

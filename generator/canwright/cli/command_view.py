@@ -15,21 +15,12 @@ from ..diagnostics.diagnostic import nearest
 from ..diagnostics.unicode_safety import visible
 from ..model import formatting
 from ..model.edition import Edition
-from ..model.exhaustive import assert_never
-from ..model.layout import (
-    ChecksumRole,
-    ConstantRole,
-    CounterRole,
-    Field,
-    GivenRole,
-    Layout,
-    ParameterRole,
-    ReservedRole,
-)
+from ..model.layout import Field, Layout
 from ..model.message import Command, EchoReply, IdRule, Message, OtherReply, SharedReply
 from ..model.metadata import Consent, FrameFormat, Level, Repeat
 from ..model.types import Type
 from ..semantics.dispatch import node_of_id
+from ..targets.field_contents import Content, contents
 
 _STYLES = {Level.NOTE: "cyan", Level.WARNING: "yellow", Level.DANGER: "bold red"}
 
@@ -178,13 +169,14 @@ def _table(command: Command, message: Message, language: str) -> RenderableType:
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
     for column in ("  position", "field", "raw", "1 LSB", "raw range", "title"):
         table.add_column(column)
+    fixed = contents(message)
     for field in message.layout.fields:
         for name, segments in formatting.elements(field):
             table.add_row(
                 "  " + formatting.place(field.space, segments, order=field.type.order),
                 name + (f" ({', '.join(field.only)})" if field.only else ""),
                 formatting.raw_format(field.type),
-                *_meaning(field, _relevant(command, message.layout, field)),
+                *_meaning(field, fixed.get(field), _relevant(command, message.layout, field)),
                 visible(field.title[language])
                 + (f" ({visible(field.manual_name)})" if field.manual_name else "")
                 + (f" (variable {field.variable})" if field.variable else "")
@@ -202,23 +194,14 @@ def _relevant(command: Command, layout: Layout, field: Field) -> tuple[str, ...]
     return here or command.only.get(parameter, ())
 
 
-def _meaning(field: Field, among: tuple[str, ...]) -> tuple[str, str]:
-    type_, role = field.type, field.role
-    match role:
-        case ChecksumRole():
-            return f"checksum: {formatting.checksum(role)}", ""
-        case ReservedRole():
-            return "reserved, sent as", str(role.raw)
-        case ConstantRole():
-            return "constant", str(role.raw)
-        case ParameterRole():
-            return "constant", role.parameter
-        case CounterRole():
-            return "counter", f"{role.first}..{role.last}"
-        case GivenRole():
-            return _values(type_, among)
-        case _:
-            assert_never(role)
+def _meaning(field: Field, content: Content | None, among: tuple[str, ...]) -> tuple[str, str]:
+    if field.counter:
+        return "counter", f"{field.counter.first}..{field.counter.last}"
+    if content is None:
+        return _values(field.type, among)
+    if content.label == "checksum":
+        return f"checksum: {content.written}", ""
+    return "reserved, sent as" if content.label == "sent_so" else content.label, str(content.written)
 
 
 def _values(type_: Type, among: tuple[str, ...]) -> tuple[str, str]:
@@ -226,8 +209,8 @@ def _values(type_: Type, among: tuple[str, ...]) -> tuple[str, str]:
         return "\n".join(f"{m.value} {m.name}" for m in type_.enum), ""
     if type_.flags:
         return "\n".join(f"bit {m.value} {m.name}" for m in type_.flags), ""
-    scale = "\n".join(formatting.with_cases(formatting.scale(type_, among)))
-    limits = formatting.with_cases(formatting.ranges(type_))
+    scale = formatting.with_cases(formatting.scale(type_, among), "\n")
+    limits = [formatting.with_cases(formatting.ranges(type_), "\n")]
     limits += [f"{formatting.no_value(no_value)} {no_value.name}" for no_value in type_.no_values]
     limits += [f"{member.value} {member.name}" for member in type_.names]
-    return scale, "\n".join(limits)
+    return scale, "\n".join(filter(None, limits))

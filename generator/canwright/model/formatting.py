@@ -348,9 +348,9 @@ def ranges(type_: Type, among: tuple[str, ...] = ()) -> Sequence[tuple[str, str]
     return [(", ".join(names), span(limits)) for names, limits in kept if limits is not None and names is not None]
 
 
-def with_cases(alternatives: Iterable[tuple[str, str]]) -> list[str]:
-    """What `scale` and `ranges` return as texts, each with the parameter values that lead to it: `-2048..2048 (small)`."""
-    return [f"{what} ({values})" if values else what for values, what in alternatives]
+def with_cases(alternatives: Iterable[tuple[str, str]], separator: str = ", ") -> str:
+    """What `scale` and `ranges` return as text, each with the parameter values that lead to it: `-2048..2048 (small)`."""
+    return separator.join(f"{what} ({values})" if values else what for values, what in alternatives)
 
 
 class Sent(Protocol):

@@ -25,4 +25,4 @@ def check(subject: CheckInput) -> Findings:
 
 
 def _resolution(type_: Type) -> str:
-    return ", ".join(formatting.with_cases(formatting.scale(type_)))
+    return formatting.with_cases(formatting.scale(type_))

@@ -9,19 +9,7 @@ from typing import NamedTuple, Protocol
 from ...model import formatting
 from ...model.deprecation import Deprecation
 from ...model.edition import Edition
-from ...model.exhaustive import assert_never
-from ...model.layout import (
-    ChecksumRole,
-    ConstantRole,
-    CounterRole,
-    Field,
-    GivenRole,
-    Layout,
-    ParameterRole,
-    ReservedRole,
-    Role,
-    Space,
-)
+from ...model.layout import Field, Layout, Space
 from ...model.message import (
     Command,
     Direction,
@@ -37,6 +25,7 @@ from ...semantics.frame import sent_id_rule
 from ...semantics.plan import message_plan
 from ...templating.markup import code, markdown
 from ..availability import is_available, values_of
+from ..field_contents import Content, contents
 from .links import command_link, field_anchor
 
 Labels = Mapping[str, str]
@@ -101,14 +90,16 @@ def key_rows(message: Message, command: Command, labels: Labels) -> Iterator[Row
 def field_rows(message: Message, command: Command, labels: Labels, language: str) -> Iterator[Row]:
     """The rows of the fields that a command has, in the order of the spec; an array has one for each element."""
     layout, holds = message.layout, labels["holds_low_bits" if message.has_low_bits_of_node else "holds_node"]
+    fixed = contents(message)
     for field in layout.fields:
         if is_available(layout, field, command):
-            resolution, raw, values = _numbers(field, layout, command, labels)
+            content = fixed.get(field)
+            resolution, raw, values = _numbers(field, content, layout, command, labels)
             what = (
                 description(field, labels, language)
                 + (f" ({deprecation(field.deprecated, labels)})" if field.deprecated else "")
                 + (f"{labels['and']}{holds}" if field.is_node else "")
-                + _computed(field.role, labels)
+                + _computed(field, content, labels)
                 + (f"{labels['stop']}{labels['variable']} {code(field.variable)}" if field.variable else "")
             )
             link = f"[%s](../types.md#types.{field.type.name})" if field.type.path[0] == "types" else "%s"
@@ -141,17 +132,13 @@ def deprecation(deprecated: Deprecation, labels: Labels) -> str:
     return labels["deprecated"] + labels["colon"] + period.format(since=deprecated.since, until=deprecated.until)
 
 
-def _computed(role: Role, labels: Labels) -> str:
+def _computed(field: Field, content: Content | None, labels: Labels) -> str:
     """How the sender computes a counter or a checksum; empty for another field."""
-    match role:
-        case CounterRole():
-            return f"{labels['stop']}{labels['counter'].format(first=role.first, last=role.last)}"
-        case ChecksumRole():
-            return f"{labels['stop']}{labels['checksum']} {code(formatting.checksum(role))}"
-        case GivenRole() | ConstantRole() | ParameterRole() | ReservedRole():
-            return ""
-        case _:
-            assert_never(role)
+    if field.counter:
+        return f"{labels['stop']}{labels['counter'].format(first=field.counter.first, last=field.counter.last)}"
+    if content and content.label == "checksum":
+        return f"{labels['stop']}{labels['checksum']} {code(str(content.written))}"
+    return ""
 
 
 def _members(type_: Type, labels: Labels) -> str:
@@ -188,22 +175,17 @@ def _in_manual(field: Field, manual_name: str, layout: Layout, command: Command,
     return f" ({labels['manual']} {markdown(cited)})" if cited else ""
 
 
-def _numbers(field: Field, layout: Layout, command: Command, labels: Labels) -> tuple[str, str, str]:
-    role = field.role
-    match role:
-        case ReservedRole():
-            return "", code(formatting.constant(role.raw)), labels["sent_so"]
-        case ConstantRole():
-            return "", code(formatting.constant(role.raw)), labels["constant"]
-        case ParameterRole():
-            return "", code(role.parameter), labels["constant"]
-        case ChecksumRole():
-            return "", "", ""
-        case GivenRole():
-            among = values_of(field.type.linear.parameter or "", layout, field, command)
-            return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
-        case _:
-            assert_never(role)
+def _numbers(
+    field: Field, content: Content | None, layout: Layout, command: Command, labels: Labels
+) -> tuple[str, str, str]:
+    """The resolution of a field, its raw range or content, and the range of its value."""
+    if content is None:
+        among = values_of(field.type.linear.parameter or "", layout, field, command)
+        return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
+    if content.label == "checksum":
+        return "", "", ""
+    written = content.written if isinstance(content.written, str) else formatting.constant(content.written)
+    return "", code(written), labels[content.label]
 
 
 def cases(pairs: Sequence[tuple[str, str]]) -> str:

@@ -10,20 +10,12 @@ from typing import NamedTuple
 
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.exhaustive import assert_never
-from ...model.layout import (
-    ChecksumRole,
-    Field,
-    FixedRole,
-    GivenRole,
-    Layout,
-    ParameterRole,
-    Role,
-)
+from ...model.layout import Field, Layout
 from ...model.message import Command, Direction, EchoReply, Key, KeyRole, Message, OtherReply
 from ...model.types import Bound, Encoding, Linear, Member, NoValue, Range, Type
 from ...semantics.frame import sent_id_rule
 from ..availability import is_available, values_of
+from ..field_contents import contents
 
 Cell = str | Fraction
 """A text, or an exact number; both can be in one column, for a bound that depends on a parameter."""
@@ -161,6 +153,7 @@ class _Rows:
         self._edition = edition
         self._command = command
         self._message = message
+        self._contents = contents(message)
         self._language = language
         self._labels = labels
         self._shown = Shown(edition, language, labels)
@@ -224,7 +217,7 @@ class _Rows:
         start = self._start._replace(
             bits=Fraction(type_.width),
             meaning=self._labels["semicolon"].join(filter(None, meaning)),
-            fixed=_sent(field.role),
+            fixed=_fixed(self._contents[field].written) if field in self._contents else "",
             values=self._labels["semicolon"].join(self._member(type_, member) for member in type_.members),
             manual=self._shown.section(field.manual or self._command.manual),
             manual_name=field.manual_name,
@@ -249,24 +242,11 @@ class _Rows:
 _ROLES = {KeyRole.CODE: "selector", KeyRole.INDEX: "index", KeyRole.CONSTANT: "constant"}
 
 
-def _fixed(raw: int) -> Cell:
-    """A code, or a negative number."""
-    return formatting.constant(raw) if raw >= 0 else Fraction(raw)
-
-
-def _sent(role: Role) -> Cell:
-    """What is sent in a field that users do not give; a parameter by its name."""
-    match role:
-        case FixedRole():
-            return _fixed(role.raw)
-        case ParameterRole():
-            return role.parameter
-        case ChecksumRole():
-            return formatting.checksum(role)
-        case GivenRole():
-            return ""
-        case _:
-            assert_never(role)
+def _fixed(content: int | str) -> Cell:
+    """A code, a negative number, or a text."""
+    if isinstance(content, str):
+        return content
+    return formatting.constant(content) if content >= 0 else Fraction(content)
 
 
 def _answer(command: Command, direction: Direction, texts: Mapping[str, str]) -> str:

@@ -49,13 +49,11 @@ def meaning(field: Field) -> str:
     title = formatting.english(field.title) or formatting.english(type_.title) or formatting.spoken(field.name)
     parts = [title]
     if type_.is_number and not type_.is_plain:
-        parts += [f"resolution {', '.join(formatting.with_cases(formatting.scale(type_)))}"]
+        parts += [f"resolution {formatting.with_cases(formatting.scale(type_))}"]
     elif type_.unit:
         parts += [type_.unit.symbol]
     limits = formatting.ranges(type_)
-    parts += (
-        [f"raw {', '.join(formatting.with_cases(limits))}"] if limits and type_.encoding is not Encoding.FLOAT else []
-    )
+    parts += [f"raw {formatting.with_cases(limits)}"] if limits and type_.encoding is not Encoding.FLOAT else []
     parts += [f"raw {formatting.no_value(no_value)} is {no_value.name}" for no_value in type_.no_values]
     parts += [f"raw {member.value} is named {member.name}" for member in type_.names]
     parts += [f"only {', '.join(field.only)}"] if field.only else []

@@ -106,12 +106,10 @@ def of_type(type_: Type) -> str:
         parts.append(f"In {type_.unit.symbol}")
     is_bare = type_.encoding is Encoding.FLOAT and type_.linear == ByParameter.always(IDENTITY)
     if not type_.is_plain and type_.is_number and not is_bare:
-        parts.append("resolution (1 LSB) " + ", ".join(formatting.with_cases(formatting.scale(type_))))
+        parts.append(f"resolution (1 LSB) {formatting.with_cases(formatting.scale(type_))}")
     limits = formatting.ranges(type_)
     if limits:
-        parts.append(
-            ("from " if type_.encoding is Encoding.FLOAT else "raw ") + ", ".join(formatting.with_cases(limits))
-        )
+        parts.append(("from " if type_.encoding is Encoding.FLOAT else "raw ") + formatting.with_cases(limits))
     if type_.no_values:
         parts.append("None: " + ", ".join(f"{n.name} (raw {formatting.no_value(n)})" for n in type_.no_values))
     if type_.names:

@@ -12,7 +12,7 @@ from ...model.message import Message
 from ...model.types import Linear, Type
 from ...semantics.exchange import ExchangePlan
 from ...semantics.plan import CheckChecksum, CheckConstant, CheckParameter, ChooseFields, ReadField, message_plan
-from ...semantics.valid_raws import RawInterval, valid_raws
+from ...semantics.valid_raws import RawInterval, merged, valid_raws
 from ..nested_source import Code, Table, Value
 from ..tables import EditionTables, checksum_table, run_table, segments
 from . import text
@@ -103,20 +103,9 @@ def _reserved(message: Message) -> Iterator[Value]:
     """Runs of reserved bits within a byte: the byte, the position, the width, and the value."""
     reserved = message_plan(message).reserved
     for byte in range(message.dlc):
-        for low, width in _runs(reserved.mask >> 8 * byte & 0xFF):
-            yield [byte, low, width, reserved.value >> 8 * byte + low & (1 << width) - 1]
-
-
-def _runs(mask: int) -> Iterator[tuple[int, int]]:
-    """The lowest bit and the width of each run of bits that are set."""
-    low = 0
-    while mask >> low:
-        if mask >> low & 1:
-            width = ((mask >> low) ^ (mask >> low) + 1).bit_length() - 1
-            yield low, width
-            low += width
-        else:
-            low += 1
+        bits = (range(bit, bit + 1) for bit in range(8) if reserved.mask >> 8 * byte + bit & 1)
+        for run in merged(bits):
+            yield [byte, run.start, len(run), reserved.value >> 8 * byte + run.start & (1 << len(run)) - 1]
 
 
 def _checks(message: Message) -> dict[str, Value]:
