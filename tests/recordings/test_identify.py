@@ -158,6 +158,29 @@ def test_an_edition_that_does_not_explain_what_another_one_explains_does_not_fit
     assert names(result) == []
 
 
+def test_requests_of_another_edition_that_no_node_answers_are_no_evidence() -> None:
+    """The host of a mixed bus sends the same commands to all nodes."""
+    read, lacked = "0 141#9C00000000000000, 300 141#9C32000000000000", "0 141#3000000000000000"
+    (result,) = cycles(*["0 141#9A00000000000000, 300 141#9A32081364000000", read, lacked] * 20).nodes
+    assert names(result) == ["v2.35-2024-02"]
+    assert {score.edition.name: (score.explained, score.tried) for score in result.scores} == {
+        "v2.35-2024-02": (80, 20),
+        "v2.35": (100, 0),
+        "v2.36-2024-11": (40, 20),
+        "v2.36-2025-03": (40, 20),
+    }
+    answered = lacked + ", 300 141#3000010203040506"
+    assert names(cycles(*[read, answered] * 20).nodes[0]) == ["v2.35"]
+
+
+def test_no_part_of_a_log_is_empty() -> None:
+    """Not even if the reply with which another edition begins answers the first frame, as it can in a log without times."""
+    requests, off, on = "141#9555555500000000 181#9500000000000000", "181#8800000000000000", "141#8855555555555555"
+    lines = [*requests.split(), on, off, "181#8100000000000000", requests.split()[0], *[on] * 3]
+    results = identify(candump.read([f"can0 {line}\n" for line in lines], Counts()), EDITIONS).nodes
+    assert sum(result.frames for result in results) == len(lines) and all(result.frames for result in results)
+
+
 def exchanges(data: str, answers: str, marks: str = "  ", id_: int = 0x141) -> list[str]:
     """Cycles of a request and its reply 0.3 ms later, with the marks of both."""
     pairs = zip(data.split(), answers.split(), strict=True)

@@ -48,12 +48,14 @@ class Evidence:
 class EditionScore:
     """An edition: the number of frames that it explains, and all evidence against it, the strongest first.
 
+    `tried` are the requests that only other editions have, and that no node answers: a host sends the same to all nodes.
     `requests` are those that have a reply in this edition; `unanswered` counts those without one, by command. Frames
     that can be replies as well are no requests if the log has replies whose requests it lacks.
     """
 
     edition: Edition
     explained: int
+    tried: int
     score: int
     against: tuple[Evidence, ...]
     requests: int
@@ -61,7 +63,7 @@ class EditionScore:
 
     def is_explained(self, judged: int) -> bool:
         """Whether the edition explains nearly all of the frames that some edition has."""
-        return self.explained >= EXPLAINED * judged
+        return self.explained + self.tried >= EXPLAINED * judged
 
     def is_possible(self, judged: int) -> bool:
         """Whether the edition explains nearly all frames, and most of its requests are answered, unless these are rare."""
