@@ -150,6 +150,21 @@ def test_copies_of_requests_are_not_requests_without_a_reply() -> None:
     assert names(cycles(*[STATUS_WITH_COPY] * 20, lost).nodes[0]) == ["v2.36-2024-11", "v2.36-2025-03"]
 
 
+@pytest.mark.parametrize("marks", ["TRR", "   "])
+def test_copies_of_broadcasts(marks: str) -> None:
+    """Nothing that nodes send is equal to them."""
+    to_all, reply = "280#6400640000000000", "141#A12A640010000040"
+    log = in_cycles(*[f"0 {to_all} {marks[0]}, 80 {to_all} {marks[1]}, 300 {reply} {marks[2]}"] * 10)
+    assert {result.node: names(result) for result in identify(log, EDITIONS).nodes} == {
+        None: ["v2.35"],
+        1: ["v2.35", "v2.35-2024-02"],
+    }
+    edition = next(edition for edition in EDITIONS if edition.name == "v2.35")
+    judged = [*Directions({}, edition).classify(log)]
+    assert {frame.decided_by for frame in judged[1::3]} == {DecidedBy.COPY}
+    assert [frame.request for frame in judged[2::3]] == list(range(0, 30, 3))
+
+
 def test_an_edition_that_does_not_explain_what_another_one_explains_does_not_fit() -> None:
     """Even if 22 of 43 requests of the other one have no reply, and 20 of 40 of its own."""
     status, ramp = "0 141#9A00000000000000", "0 141#C024000000000000"
@@ -269,7 +284,7 @@ def test_json(tmp_path: Path) -> None:
     printed = json.loads(run(tmp_path, V2_35, "--format", "json").output)
     (node,) = printed["nodes"]
     assert (printed["family"], node["node"], node["fits"]) == ("mwd_motor", 2, ["v2.35"])
-    first = {"edition": "v2.35", "explained": 4, "score": 0, "requests": 2, "unanswered": {}, "against": []}
+    first = {"edition": "v2.35", "explained": 4, "tried": 0, "score": 0, "requests": 2, "unanswered": {}, "against": []}
     assert node["editions"][0] == first
     assert all(edition["score"] >= 3 for edition in node["editions"][1:])
 

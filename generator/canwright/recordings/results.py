@@ -62,8 +62,8 @@ class EditionScore:
     unanswered: Mapping[str, int]
 
     def is_explained(self, judged: int) -> bool:
-        """Whether the edition explains nearly all of the frames that some edition has."""
-        return self.explained + self.tried >= EXPLAINED * judged
+        """Whether the edition explains nearly all of the frames that some edition has, apart from fewer that are tried."""
+        return self.explained > self.tried and self.explained + self.tried >= EXPLAINED * judged
 
     def is_possible(self, judged: int) -> bool:
         """Whether the edition explains nearly all frames, and most of its requests are answered, unless these are rare."""
