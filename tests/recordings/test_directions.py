@@ -235,6 +235,13 @@ def test_echoes_later_than_the_window_are_a_reason_to_doubt() -> None:
     assert doubts_of(WITH_WRITES, in_cycles(*[*[status] * 10, write] * 4)) == []
 
 
+def test_a_request_repeats_one_with_other_reserved_bits() -> None:
+    """Also if these are keys of other commands of the edition."""
+    log = in_cycles("0 141#9A00000000000000, 4000 141#9A05B20000000000, 5000 181#9A32081364000000")
+    judged = judge(EDITIONS["mwd_motor/v2.36-2025-03"], log, window=20_000_000)
+    assert [frame.request for frame in judged] == [None, None, 1]
+
+
 def test_a_short_log_of_slow_replies_names_the_window() -> None:
     cycle = "0 141#9A00000000000000, 4200 141#9A32081364000000"
     assert doubts_of(WITH_WRITES, in_cycles(*[cycle] * 3)) == [

@@ -581,7 +581,7 @@ class Directions:
             replaced = [
                 earlier
                 for earlier in before
-                if earlier.rule.frame_class is own
+                if earlier.rule.frame_class.command is own.command
                 and (not own.is_echoed or earlier.request.recorded.frame == frame)
                 and not self._is_further(exchange, earlier)
             ]

@@ -62,8 +62,13 @@ class EditionScore:
     unanswered: Mapping[str, int]
 
     def is_explained(self, judged: int) -> bool:
-        """Whether the edition explains nearly all of the frames that some edition has, apart from fewer that are tried."""
-        return self.explained > self.tried and self.explained + self.tried >= EXPLAINED * judged
+        """Whether the edition explains nearly all of the frames that some edition has.
+
+        Tried requests count as explained if no fewer are answered: a log that lacks requests, or replies, does not show them.
+        """
+        answered = self.requests - sum(self.unanswered.values())
+        tried = self.tried if self.tried <= answered else 0
+        return self.explained + tried >= EXPLAINED * judged
 
     def is_possible(self, judged: int) -> bool:
         """Whether the edition explains nearly all frames, and most of its requests are answered, unless these are rare."""
