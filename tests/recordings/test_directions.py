@@ -218,6 +218,30 @@ def test_two_requests_at_once_are_both_answered() -> None:
     assert [frame.request for frame in judge(WITH_WRITES, in_cycles(retried))] == [None, None, 1]
 
 
+@pytest.mark.parametrize("count", [3, 20])
+def test_copies_in_a_log_without_times(count: int) -> None:
+    """Neither they nor the next request are replies; they are known as copies if there are enough of them."""
+    cycle = "0 141#9200000000000000, 80 141#9200000000000000, 300 141#9210270000000000"
+    log = [frame._replace(time=None) for frame in in_cycles(*[cycle] * count)]
+    judged = judge(WITH_WRITES, log)
+    assert [frame.direction for frame in judged] == [Direction.REQUEST, Direction.REQUEST, Direction.REPLY] * count
+    assert {frame.decided_by for frame in judged[1::3]} == {DecidedBy.COPY if count == 20 else DecidedBy.RETRY}
+
+
+def test_echoes_later_than_the_window_are_a_reason_to_doubt() -> None:
+    status, write = "0 141#9A00000000000000, 300 141#9A32081364000000", "0 141#B10E000022000000"
+    (sentence,) = doubts_of(WITH_WRITES, in_cycles(*[*[status] * 10, f"{write}, 2300 141#B10E000022000000"] * 4))
+    assert sentence.startswith("can0: 4 of 48 requests repeat the one before, and can be its late reply; ")
+    assert doubts_of(WITH_WRITES, in_cycles(*[*[status] * 10, write] * 4)) == []
+
+
+def test_a_request_repeats_one_with_other_reserved_bits() -> None:
+    """Also if these are keys of other commands of the edition."""
+    log = in_cycles("0 141#9A00000000000000, 4000 141#9A05B20000000000, 5000 181#9A32081364000000")
+    judged = judge(EDITIONS["mwd_motor/v2.36-2025-03"], log, window=20_000_000)
+    assert [frame.request for frame in judged] == [None, None, 1]
+
+
 def test_a_short_log_of_slow_replies_names_the_window() -> None:
     cycle = "0 141#9A00000000000000, 4200 141#9A32081364000000"
     assert doubts_of(WITH_WRITES, in_cycles(*[cycle] * 3)) == [

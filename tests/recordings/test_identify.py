@@ -150,12 +150,52 @@ def test_copies_of_requests_are_not_requests_without_a_reply() -> None:
     assert names(cycles(*[STATUS_WITH_COPY] * 20, lost).nodes[0]) == ["v2.36-2024-11", "v2.36-2025-03"]
 
 
+@pytest.mark.parametrize("marks", ["TRR", "   "])
+def test_copies_of_broadcasts(marks: str) -> None:
+    """Nothing that nodes send is equal to them."""
+    to_all, reply = "280#6400640000000000", "141#A12A640010000040"
+    log = in_cycles(*[f"0 {to_all} {marks[0]}, 80 {to_all} {marks[1]}, 300 {reply} {marks[2]}"] * 10)
+    assert {result.node: names(result) for result in identify(log, EDITIONS).nodes} == {
+        None: ["v2.35"],
+        1: ["v2.35", "v2.35-2024-02"],
+    }
+    edition = next(edition for edition in EDITIONS if edition.name == "v2.35")
+    judged = [*Directions({}, edition).classify(log)]
+    assert {frame.decided_by for frame in judged[1::3]} == {DecidedBy.COPY}
+    assert [frame.request for frame in judged[2::3]] == list(range(0, 30, 3))
+
+
 def test_an_edition_that_does_not_explain_what_another_one_explains_does_not_fit() -> None:
     """Even if 22 of 43 requests of the other one have no reply, and 20 of 40 of its own."""
     status, ramp = "0 141#9A00000000000000", "0 141#C024000000000000"
     answered = [*[f"{status}, 300 181#9A257B0900000000"] * 20, f"{ramp}, 300 181#C024000041000000"]
     (result,) = cycles(*answered, *[status] * 20, *[ramp] * 2).nodes
     assert names(result) == []
+
+
+def test_requests_of_another_edition_that_no_node_answers_are_no_evidence() -> None:
+    """The host of a mixed bus sends the same commands to all nodes."""
+    read, lacked = "0 141#9C00000000000000, 300 141#9C32000000000000", "0 141#3000000000000000"
+    (result,) = cycles(*["0 141#9A00000000000000, 300 141#9A32081364000000", read, lacked] * 20).nodes
+    assert names(result) == ["v2.35-2024-02"]
+    assert {score.edition.name: (score.explained, score.tried) for score in result.scores} == {
+        "v2.35-2024-02": (80, 20),
+        "v2.35": (100, 0),
+        "v2.36-2024-11": (40, 20),
+        "v2.36-2025-03": (40, 20),
+    }
+    unanswered = ["0 141#A755555500000000", "0 141#8155555555555555", "0 141#8C01555555555555"] * 7
+    assert "v2.35" not in names(cycles(*unanswered).nodes[0])  # nothing shows that the log has replies
+    answered = lacked + ", 300 141#3000010203040506"
+    assert names(cycles(*[read, answered] * 20).nodes[0]) == ["v2.35"]
+
+
+def test_no_part_of_a_log_is_empty() -> None:
+    """Not even if the reply with which another edition begins answers the first frame, as it can in a log without times."""
+    requests, off, on = "141#9555555500000000 181#9500000000000000", "181#8800000000000000", "141#8855555555555555"
+    lines = [*requests.split(), on, off, "181#8100000000000000", requests.split()[0], *[on] * 3]
+    results = identify(candump.read([f"can0 {line}\n" for line in lines], Counts()), EDITIONS).nodes
+    assert sum(result.frames for result in results) == len(lines) and all(result.frames for result in results)
 
 
 def exchanges(data: str, answers: str, marks: str = "  ", id_: int = 0x141) -> list[str]:
@@ -246,7 +286,7 @@ def test_json(tmp_path: Path) -> None:
     printed = json.loads(run(tmp_path, V2_35, "--format", "json").output)
     (node,) = printed["nodes"]
     assert (printed["family"], node["node"], node["fits"]) == ("mwd_motor", 2, ["v2.35"])
-    first = {"edition": "v2.35", "explained": 4, "score": 0, "requests": 2, "unanswered": {}, "against": []}
+    first = {"edition": "v2.35", "explained": 4, "tried": 0, "score": 0, "requests": 2, "unanswered": {}, "against": []}
     assert node["editions"][0] == first
     assert all(edition["score"] >= 3 for edition in node["editions"][1:])
 

@@ -185,6 +185,8 @@ def _summary(score: EditionScore, count: int) -> str:
     explained = (
         "every frame" if score.explained == count and not score.against else f"{score.explained} of {count} frames"
     )
+    if score.tried:
+        explained += f"; {counted(score.tried, 'request')} of other editions without a reply"
     if not score.unanswered:
         return explained
     commands = _some([f"{name} ({n})" for name, n in Counter(score.unanswered).most_common()])
@@ -213,6 +215,7 @@ def _facts(family: str, identification: Identification, counts: Counts) -> dict[
         return {
             "edition": each.edition.name,
             "explained": each.explained,
+            "tried": each.tried,
             "score": each.score,
             "requests": each.requests,
             "unanswered": dict(each.unanswered),

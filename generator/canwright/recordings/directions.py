@@ -581,7 +581,7 @@ class Directions:
             replaced = [
                 earlier
                 for earlier in before
-                if earlier.rule.frame_class is own
+                if earlier.rule.frame_class.command is own.command
                 and (not own.is_echoed or earlier.request.recorded.frame == frame)
                 and not self._is_further(exchange, earlier)
             ]
@@ -597,9 +597,10 @@ class Directions:
 
     @staticmethod
     def _is_further(exchange: _Exchange, earlier: _Exchange) -> bool:
-        """Whether a request follows another one so soon that it does not repeat it."""
+        """Whether a request follows another one so soon that it does not repeat it. Without times, none is known to."""
         pause = exchange.request.clock - earlier.request.clock
-        return not earlier.waiting and pause < earlier.rule.within // 2
+        is_timed = exchange.request.recorded.time is not None
+        return is_timed and not earlier.waiting and pause < earlier.rule.within // 2
 
     def _reply(self, arrived: PendingFrame, decided_by: DecidedBy, answered: _Answered | None) -> DirectedFrame:
         own, recorded = arrived.known.rule.frame_class, arrived.recorded

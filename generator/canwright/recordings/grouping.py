@@ -58,6 +58,7 @@ def _sum(scores: Sequence[EditionScore]) -> EditionScore:
     return EditionScore(
         scores[0].edition,
         explained=sum(score.explained for score in scores),
+        tried=sum(score.tried for score in scores),
         score=sum(score.score for score in scores),
         against=_evidence(evidence for score in scores for evidence in score.against),
         requests=sum(score.requests for score in scores),

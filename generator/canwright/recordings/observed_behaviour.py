@@ -186,8 +186,7 @@ class Observed:
             return
         time = judged.recorded.time
         command = None if judged.message is None else judged.edition.command(judged.message.command)
-        if time is not None:
-            self._copies.add(judged, time, command)
+        self._copies.add(judged, 0 if time is None else time, command)
         if command is None:
             return
         if judged.direction is Direction.REQUEST:

@@ -48,20 +48,27 @@ class Evidence:
 class EditionScore:
     """An edition: the number of frames that it explains, and all evidence against it, the strongest first.
 
+    `tried` are the requests that only other editions have, and that no node answers: a host sends the same to all nodes.
     `requests` are those that have a reply in this edition; `unanswered` counts those without one, by command. Frames
     that can be replies as well are no requests if the log has replies whose requests it lacks.
     """
 
     edition: Edition
     explained: int
+    tried: int
     score: int
     against: tuple[Evidence, ...]
     requests: int
     unanswered: Mapping[str, int]
 
     def is_explained(self, judged: int) -> bool:
-        """Whether the edition explains nearly all of the frames that some edition has."""
-        return self.explained >= EXPLAINED * judged
+        """Whether the edition explains nearly all of the frames that some edition has.
+
+        Tried requests count as explained if no fewer are answered: a log that lacks requests, or replies, does not show them.
+        """
+        answered = self.requests - sum(self.unanswered.values())
+        tried = self.tried if self.tried <= answered else 0
+        return self.explained + tried >= EXPLAINED * judged
 
     def is_possible(self, judged: int) -> bool:
         """Whether the edition explains nearly all frames, and most of its requests are answered, unless these are rare."""

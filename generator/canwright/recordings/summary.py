@@ -11,6 +11,7 @@ from ..model.message import Command, Direction, Message
 from ..model.refusal import Refusal
 from ..model.sending import Sending
 from ..semantics.decoder import Rejection
+from ..semantics.exchange import repeats_request
 from ..semantics.frame import CanFrame
 from .counter_gaps import CounterGaps
 from .directions import DecidedBy, DirectedFrame
@@ -48,8 +49,8 @@ class ImplausibleValues:
 class NodeSummary:
     """The frames of a node on a bus.
 
-    `missing` are requests that were not answered, `late` replies long after most others, `unexpected` replies without a
-    request, `answered_by_others` replies of other nodes to its requests, `copies` frames that were recorded again, `rejected` frames that are no message of their direction,
+    `missing` are requests that were not answered, `repeated` those that have the bytes of the request before, also without a
+    reply, and can be its reply, `late` replies long after most others, `unexpected` replies without a request, `answered_by_others` replies of other nodes to its requests, `copies` frames that were recorded again, `rejected` frames that are no message of their direction,
     `implausible` values by field and range. Latencies are in ns. `labels` name the editions that fit, `commands` those of the frames.
     """
 
@@ -59,6 +60,7 @@ class NodeSummary:
     requests: int = 0
     replies: int = 0
     missing: int = 0
+    repeated: int = 0
     late: int = 0
     unexpected: int = 0
     answered_by_others: int = 0
@@ -71,6 +73,8 @@ class NodeSummary:
     """The gaps between frames that have a period or a time-out, by message."""
     counters: dict[tuple[Message, str], CounterGaps] = field(default_factory=dict)
     """The gaps between the values of counters, by message and column."""
+    asked: DirectedFrame | None = None
+    """The last request; None if it repeats the one before."""
     timed: int = 0
     latency: int = 0
     longest: int = 0
@@ -101,11 +105,12 @@ class _Counted:
 
 
 class _Waiting(NamedTuple):
-    """A request that waits for its replies, and the nodes that have replied."""
+    """A request that waits for its replies, the nodes that have replied, and whether it repeats one without a reply."""
 
     request: _Counted
     bus: str
     replied: set[int | None]
+    is_repeated: bool
 
 
 class Summary:
@@ -234,7 +239,15 @@ class Summary:
         assert counted.command is not None
         if not counted.command.replies:
             return
-        self._waiting[judged.number] = new_tuple(_Waiting, (counted, judged.recorded.bus, set()))
+        node, before = counted.node, counted.node.asked
+        is_repeated = (
+            before is not None
+            and before.number in self._waiting
+            and before.recorded.frame == judged.recorded.frame
+            and repeats_request(counted.command)
+        )
+        node.asked = None if is_repeated else judged
+        self._waiting[judged.number] = new_tuple(_Waiting, (counted, judged.recorded.bus, set(), is_repeated))
         if len(self._waiting) > _MAX_WAITING:
             self._count_missing(self._waiting.pop(next(iter(self._waiting))))
 
@@ -262,6 +275,7 @@ class Summary:
         assert waiting.request.command is not None
         if not waiting.request.command.from_each:
             waiting.request.node.missing += not waiting.replied
+            waiting.request.node.repeated += waiting.is_repeated and not waiting.replied
             return
         for node in waiting.request.command.from_each:
             if (waiting.bus, node) in self.nodes and node not in waiting.replied:

@@ -19,9 +19,11 @@ from .plan import message_plan
 
 @lru_cache(maxsize=4096)
 def repeats_request(command: Command) -> bool:
-    """Whether a reply has the bytes of its request: it is an echo, or has no other bits than those that the request sets."""
+    """Whether a reply can be equal to its request: it is an echo, or has no other bits than those that the request sets."""
     request = command.request
-    if command.is_echoed or request is None or not request.layout.fields:
+    if request is None or all(reply.message.id != request.id for reply in command.replies):
+        return False
+    if command.is_echoed or not request.layout.fields:
         return command.is_echoed
     reserved = message_plan(request).reserved.mask
     return any(not reserved & ~message_plan(reply.message).reserved.mask for reply in command.replies)
