@@ -63,18 +63,22 @@ const normalized = text => text.normalize("NFKC").toLowerCase().replace(BOUNDARY
 /** `maxLevel` as `maxlevel` and `max level`, `over_voltage` as `over voltage` and `overvoltage`. */
 const spellings = name => [name, name.replace(CAMEL, " "), name.replace(/(?<=[a-z])[-_](?=[a-z])/giu, "")].map(normalized);
 
-/** How well a text contains a term: 1 for an equal text, 0 for none. */
-function quality(term, text) {
-  if (term === text) { return 1; }
+/** The function that states how well a text contains a term: 1 for an equal text, 0 for none. */
+const matcher = kept(term => {
   const isChinese = CHINESE.test(term);
-  const share = term.length / text.length / 10;
-  const spaced = ` ${text} `;
-  if ((isChinese && term.length > 1 ? text : spaced).includes(isChinese && term.length > 1 ? term : ` ${term} `)) { return (text.startsWith(term) ? 0.76 : 0.7) + share; }
-  if (isChinese) { return /[a-z0-9]/u.test(term) ? 0 : 0.6 * pairsIn(term, text); }
-  if (term.length < 3) { return 0; }
-  const isPart = ` ${text}`.includes(` ${term}`) || hasForm(` ${text}`, ` ${term.replace(ENDING, "")}`);
-  return isPart ? 0.5 + share : text.includes(term) ? 0.3 + share : 0;
-}
+  const [stem, separate] = [isChinese ? "" : term.replace(ENDING, ""), isChinese && term.length > 1 ? term : ` ${term} `];
+  const pairs = isChinese && !/[a-z0-9]/u.test(term) ? [...term].slice(1).map((character, i) => term[i] + character) : [];
+  return text => {
+    if (term === text) { return 1; }
+    if (!text.includes(stem)) { return 0; }
+    const share = term.length / text.length / 10;
+    if ((isChinese && term.length > 1 ? text : ` ${text} `).includes(separate)) { return (text.startsWith(term) ? 0.76 : 0.7) + share; }
+    if (isChinese) { return 0.6 * shareOf(pairs, text); }
+    if (term.length < 3) { return 0; }
+    const isPart = ` ${text}`.includes(` ${term}`) || hasForm(` ${text}`, ` ${stem}`);
+    return isPart ? 0.5 + share : text.includes(term) ? 0.3 + share : 0;
+  };
+});
 
 /** Whether a text has a word with a stem and an ending, as `calibrate` for `calibrat`, but not `windows` for `wind`. */
 function hasForm(text, stem) {
@@ -85,8 +89,7 @@ function hasForm(text, stem) {
 }
 
 /** The share of pairs of neighbouring Chinese characters that a text contains, if it is most of them. */
-function pairsIn(term, text) {
-  const pairs = [...term].slice(1).map((character, i) => term[i] + character);
+function shareOf(pairs, text) {
   const share = pairs.filter(pair => text.includes(pair)).length / pairs.length;
   return pairs.length > 1 && share >= 0.6 ? share : 0;
 }
@@ -269,7 +272,7 @@ function createSearch(index, language) {
   });
 
   /** How well each item matches a term, which several spellings of a query have. */
-  const valuesOf = kept((word, same) => items.map(item => value(item, { word, same })));
+  const valuesOf = kept((word, same) => items.map(item => value(item, word, matcher(word), same.map(matcher))));
   const isUnknown = ({ word, same }) => !stops.has(word) && !valuesOf(word, same).some(Boolean);
 
   /** Whether a term can have a typo: no text contains it, or all only as a part of another word. */
@@ -313,14 +316,12 @@ function createSearch(index, language) {
     return fits ? { ...item, node: step ? node : null } : null;
   }
 
-  /** How well an item matches a term. */
-  function value(item, { word, same }) {
+  /** How well an item matches a term, or one of its synonyms. */
+  function value(item, word, match, ofSynonyms) {
     let best = ofId(item, word) ? 1 : 0;
     const inTitle = item.kind === "command" ? TITLED : SYNONYM;
-    for (const text of item.texts) {
-      best = Math.max(best, quality(word, text), ...same.map(synonym => inTitle * quality(synonym, text)));
-    }
-    for (const text of best ? [] : item.about) { best = Math.max(best, ABOUT * quality(word, text), ...same.map(synonym => ABOUT * SYNONYM * quality(synonym, text))); }
+    for (const text of item.texts) { best = Math.max(best, match(text), ...ofSynonyms.map(of => inTitle * of(text))); }
+    for (const text of best ? [] : item.about) { best = Math.max(best, ABOUT * match(text), ...ofSynonyms.map(of => ABOUT * SYNONYM * of(text))); }
     return best * WEIGHTS[item.kind];
   }
 
