@@ -25,14 +25,13 @@ from .own_targets import hide
 ROOT = Path(__file__).parents[1]
 
 LONGEST = {
-    "test_quality.py",
-    "test_conformance.py",
-    "test_mutations.py",
+    "test_mutation.py",
     "test_readme.py",
-    "test_site.py",
-    "test_texts.py",
-    "test_c_compiles.py",
-    "test_specs.py",
+    "test_editions.py",
+    "test_limits.py",
+    "test_compare.py",
+    "test_quality.py",
+    "test_fuzz.py",
 }
 """These files come first: a worker that started one of them last would run on its own at the end."""
 
