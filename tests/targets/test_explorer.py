@@ -12,23 +12,27 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import can
 import pytest
 import yaml
-from canwright.conformance.adapter import write_files
+from canwright.conformance.adapter import CanFrame, Cannot, Parameters, Refused, write_files
+from canwright.conformance.runner import Runner
 from canwright.model import formatting
 from canwright.model.golden_frames import GoldenFrame, Value
 from canwright.model.message import Message
 from canwright.model.sending import Occasion
+from canwright.model.types import NO_PARAMETERS
 from canwright.project.loader import specification
+from canwright.targets.base import EditionInput
 from canwright.targets.c.target import CTarget
 from canwright.targets.javascript.page import FOLDER, EditionSpec, explorer
 from canwright.targets.python.target import PythonTarget
 from canwright.templating.resources import TEMPLATES
 
 from ..compilers import WARNINGS, ZIG
+from ..conformance.adapters.javascript import JavaScriptAdapter
 from ..node import run
 from ..spec_texts import ROOT, SPECS, called
 
@@ -80,6 +84,35 @@ def _timing(message: Message) -> Iterator[str | float]:
             yield occasion.value
     if sending.timeout_ms is not None:
         yield from ("timeout", float(sending.timeout_ms))
+
+
+class ExplorerAdapter(JavaScriptAdapter):
+    """Answers through the tables that the page interprets."""
+
+    name = "explorer"
+    cannot: ClassVar[Mapping[str, str]] = {"answers": "the page does not ask which reply answers a request"}
+
+    @classmethod
+    def create(cls, specification: EditionInput, workdir: Path) -> ExplorerAdapter:
+        folder = write_files(explorer([EditionSpec(specification)]), workdir) / FOLDER
+        (edition,) = (folder / "editions").iterdir()
+        sources = (file.read_text("utf-8") for file in (folder / "codec.js", edition, folder / "edition.js"))
+        names = "decodeRequest, decodeReply, decodeAs, encodeRequest, encodeReply, candidates"
+        tables = f"export const {{ {names} }} = canwright.createEdition(canwright.editions[0].tables);\n"
+        module = workdir / "explorer.mjs"
+        module.write_text(f"{''.join(sources)}\n{tables}export const {{ CodecError }} = canwright;\n", "utf-8")
+        return cls(specification.edition, module)
+
+    def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
+        raise Cannot("answers")
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=called)
+def test_the_tables_mean_what_the_golden_frames_mean(spec: Path, tmp_path: Path) -> None:
+    item = specification(spec)
+    assert item.frames is not None
+    report = Runner(item.edition, item.frames, ExplorerAdapter.create(item, tmp_path)).run()
+    assert not report.failures, "\n".join(map(str, report.failures[:40]))
 
 
 @pytest.mark.parametrize("spec", [MOTOR, *SPECS[4:]], ids=called)

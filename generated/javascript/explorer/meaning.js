@@ -3,7 +3,8 @@
 
 /** What frames can mean, without a page: all messages that fit, in the order of their probability. */
 canwright.meaning = (() => {
-  const editions = canwright.editions.map(({ codec, texts, bindings, pages = {}, answered = {}, neighbours = [] }) => {
+  const editions = canwright.editions.map(({ tables, texts, bindings, pages = {}, answered = {}, neighbours = [] }) => {
+    const codec = canwright.createEdition(tables);
     const messages = new Map(codec.MESSAGES.map((message) => [`${message.direction} ${message.command}`, message]));
     for (const [command, reply] of Object.entries(answered)) {
       messages.set(`reply ${command}`, messages.get(`reply ${reply}`));

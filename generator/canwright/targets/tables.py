@@ -30,7 +30,15 @@ from ..model.types import ByParameter, Linear, Type
 from ..semantics import dispatch
 from ..semantics.checksum import ChecksumPlan
 from ..semantics.exchange import ExchangePlan, exchange_plans
-from ..semantics.plan import AcceptedKey, message_plan, only_by_request
+from ..semantics.plan import (
+    CheckChecksum,
+    CheckConstant,
+    CheckParameter,
+    ChooseFields,
+    ReadField,
+    message_plan,
+    only_by_request,
+)
 from .nested_source import Table, Value
 
 ID = -1
@@ -136,10 +144,26 @@ class EditionTables(Positions, ABC):
             "direction": message.direction.value,
             **id_rule(message.id, message.remote, message.id_mask),
             "length": message.dlc,
-            "keys": [self._key(key) for key in message_plan(message).keys] or None,
+            "keys": [self.condition(key.key, key.values) for key in message_plan(message).keys] or None,
             "layout": self.layouts[message.layout],
             "frames": [sequence.field, sequence.numbers[0], sequence.numbers[-1]] if sequence else None,
         }
+
+    def checked(self, message: Message) -> dict[str, Value]:
+        """What an interpreter checks besides the fields of the layout: who has a message, its `node` in the data, its checksum."""
+        table: dict[str, Value] = {
+            "only": {name: list(values) for name, values in message.only.items()} or None,
+            "node": run_table(message.node_in_data),
+        }
+        for step in message_plan(message).decoding:
+            match step:
+                case CheckChecksum():
+                    table["checksum"] = _checksum(step, message.layout.fields.index(step.field))
+                case CheckConstant() | CheckParameter() | ChooseFields() | ReadField():
+                    pass  # the table of the layout
+                case _:
+                    assert_never(step)
+        return table
 
     def answer(self, exchange: ExchangePlan) -> dict[str, Value]:
         """A reply to a request, as `ExchangePlan` has it; `frames` if it has several, or 0 instead of others."""
@@ -161,10 +185,9 @@ class EditionTables(Positions, ABC):
             "fields": [self.field(field) for field in layout.fields],
         }
 
-    def _key(self, accepted: AcceptedKey) -> Table:
-        """The bits of a key with all accepted values; the first is the one that is sent."""
-        values = [self.integer(value, accepted.key.width) for value in accepted.values]
-        return {"segments": run_table(accepted.key), "values": values}
+    def condition(self, run: BitRun, values: Iterable[int]) -> Table:
+        """Bits with all accepted values; the first of a key is the one that is sent."""
+        return {"segments": run_table(run), "values": [self.integer(value, run.width) for value in values]}
 
     def _routes(self, direction: Direction) -> Iterator[Table]:
         for route in dispatch.dispatch_plan(self.edition, direction).routes:
@@ -199,6 +222,16 @@ def checksum_table(plan: ChecksumPlan) -> dict[str, Value]:
         "reflected": plan.is_reflected or None,
         "shift": plan.shift or None,
         "xor": plan.xor_out or None,
+    }
+
+
+def _checksum(step: CheckChecksum, field: int) -> Table:
+    """The checksum as `ChecksumPlan` has it, with the position of its field; each input is bits of the frame or a constant."""
+    plan = step.checksum
+    return {
+        "field": field,
+        **checksum_table(plan),
+        "inputs": [part if isinstance(part, int) else segments(part.segments, part.space) for part in plan.inputs],
     }
 
 

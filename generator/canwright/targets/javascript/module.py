@@ -1,4 +1,4 @@
-"""The source of an edition: its functions, as a module and as a part of the explorer."""
+"""The module of an edition."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ HELPERS = (
 """What the functions of an edition use of the runtime."""
 
 
-def functions_source(edition: Edition) -> str:
+def _functions(edition: Edition) -> str:
     """The statements that declare the constant `edition`, which has all functions."""
     tables, within = JavaScriptTables(edition), edition.bus.reply_within_ms
     filters: dict[str, Callable[..., object]] = {
@@ -52,8 +52,10 @@ def functions_source(edition: Edition) -> str:
     )
 
 
-def module(edition: Edition, header: str, source: str) -> str:
-    """The module of an edition; `source` is that of its functions."""
+def module(edition: Edition, header: str) -> str:
+    """The module of an edition."""
     has_sequence = any(message.sequence for message in edition.all_messages())
     template = environment("javascript", {}).get_template("edition.js.j2")
-    return template.render(header=header, helpers=HELPERS, functions=source, joins=["join"] if has_sequence else [])
+    return template.render(
+        header=header, helpers=HELPERS, functions=_functions(edition), joins=["join"] if has_sequence else []
+    )

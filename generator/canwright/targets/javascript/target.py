@@ -81,7 +81,7 @@ class JavaScriptTarget(Target):
         for source in sources:
             path, first = module_path(source.edition), source.header
             types = env.get_template("edition.d.ts.j2")
-            yield Output(f"{path}.js", module(source.edition, first, source.functions))
+            yield Output(f"{path}.js", module(source.edition, first))
             yield Output(f"{path}.d.ts", types.render(header=first, **_declared(source.edition)))
             texts, types = env.get_template("texts.js.j2"), env.get_template("texts.d.ts.j2")
             yield Output(f"{path}{TEXTS}.js", texts.render(header=first, titles=source.texts))

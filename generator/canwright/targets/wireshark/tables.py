@@ -6,15 +6,14 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from ...model import formatting
-from ...model.exhaustive import assert_never
 from ...model.layout import Field
 from ...model.message import Message
 from ...model.types import Linear, Type
 from ...semantics.exchange import ExchangePlan
-from ...semantics.plan import CheckChecksum, CheckConstant, CheckParameter, ChooseFields, ReadField, message_plan
+from ...semantics.plan import message_plan
 from ...semantics.valid_raws import RawInterval, merged, valid_raws
 from ..nested_source import Code, Table, Value
-from ..tables import EditionTables, checksum_table, run_table, segments
+from ..tables import EditionTables
 from . import text
 
 
@@ -61,13 +60,11 @@ class LuaTables(EditionTables):
         return {**super().field(field), "label": text.english(field.title) or formatting.spoken(field.name)}
 
     def message(self, message: Message) -> dict[str, Value]:
-        """A message; `node` are the bits that contain its node if the id does not."""
+        """A message with all that the dissector checks and shows of it."""
         sending = formatting.sending(message.sending) if message.sending else None
         return {
             **super().message(message),
-            "only": {name: list(values) for name, values in message.only.items()} or None,
-            "node": run_table(message.node_in_data),
-            **_checks(message),
+            **self.checked(message),
             "reserved": list(_reserved(message)),
             "sending": sending,
         }
@@ -106,27 +103,3 @@ def _reserved(message: Message) -> Iterator[Value]:
         bits = (range(bit, bit + 1) for bit in range(8) if reserved.mask >> 8 * byte + bit & 1)
         for run in merged(bits):
             yield [byte, run.start, len(run), reserved.value >> 8 * byte + run.start & (1 << len(run)) - 1]
-
-
-def _checks(message: Message) -> dict[str, Value]:
-    """What decoding needs besides the fields of the layout."""
-    checks: dict[str, Value] = {}
-    for step in message_plan(message).decoding:
-        match step:
-            case CheckChecksum():
-                checks["checksum"] = _checksum(step, message.layout.fields.index(step.field))
-            case CheckConstant() | CheckParameter() | ChooseFields() | ReadField():
-                pass  # the table of the layout
-            case _:
-                assert_never(step)
-    return checks
-
-
-def _checksum(step: CheckChecksum, field: int) -> Table:
-    """The checksum as `ChecksumPlan` has it, with the position of its field; each input is bits of the frame or a constant."""
-    plan = step.checksum
-    return {
-        "field": field,
-        **checksum_table(plan),
-        "inputs": [part if isinstance(part, int) else segments(part.segments, part.space) for part in plan.inputs],
-    }
