@@ -65,7 +65,6 @@ class LuaTables(EditionTables):
         sending = formatting.sending(message.sending) if message.sending else None
         return {
             **super().message(message),
-            "only": {name: list(values) for name, values in message.only.items()} or None,
             "node": run_table(message.node_in_data),
             **_checks(message),
             "reserved": list(_reserved(message)),
