@@ -326,7 +326,10 @@ class Checksum:
 
 @dataclass(frozen=True)
 class Layout:
-    """A table: the fields of one or several messages. `parameter` decides which fields exist; empty without one."""
+    """A table: the fields of one or several messages. `parameter` decides which fields exist; empty without one.
+
+    Of `constants`, those that always exist and depend on no parameter come first.
+    """
 
     name: str
     fields: tuple[Field, ...] = ()
@@ -354,47 +357,41 @@ class Message(NamedTuple):
     frames: tuple[str, range] | None = None
 
 
-@dataclass(frozen=True)
 class Select:
     """A decision on a value of each frame: the node of its case, else `otherwise`. A node that is an int is a message
     number, or a `Refusal`."""
 
-    read: Callable[[Words, Words, Array], Array]
-    cases: Mapping[int, Node]
-    otherwise: Node
-
-    def __post_init__(self) -> None:
-        values = np.array(sorted(self.cases), np.uint64)
-        object.__setattr__(self, "_values", values)
-        nodes = [*(self.cases[int(value)] for value in values), self.otherwise]
-        leaves = np.array([node if isinstance(node, int) else 0 for node in nodes], np.int16)
-        object.__setattr__(self, "_subtrees", [(i, node) for i, node in enumerate(nodes) if isinstance(node, Select)])
-        table = None
+    def __init__(
+        self, read: Callable[[Words, Words, Array], Array], cases: Mapping[int, Node], otherwise: Node
+    ) -> None:
+        self._read = read
+        self._values = values = np.array(sorted(cases), np.uint64)
+        nodes = [*(cases[int(value)] for value in values), otherwise]
+        self._subtrees = [(i, node) for i, node in enumerate(nodes) if isinstance(node, Select)]
+        self._leaves = np.array([node if isinstance(node, int) else 0 for node in nodes], np.int16)
+        self._table: Array | None = None
+        self._leaf_of = self._leaves
         if not values.size or values[-1] < 1 << 16:
-            table = np.full((int(values[-1]) if values.size else 0) + 2, len(values), np.int16)
-            table[values.astype(np.intp)] = np.arange(len(values))
-        object.__setattr__(self, "_table", table)
-        object.__setattr__(self, "_leaves", leaves)
-        object.__setattr__(self, "_leaf_of", None if table is None else leaves[table])
+            self._table = np.full((int(values[-1]) if values.size else 0) + 2, len(values), np.int16)
+            self._table[values.astype(np.intp)] = np.arange(len(values))
+            self._leaf_of = self._leaves[self._table]
 
     def follow(self, words: Words, ids: Words, lengths: Array) -> Array:
         """The message number of each frame, or its refusal."""
-        values = self.read(words, ids, lengths)
-        table: Array | None = self._table  # type: ignore[attr-defined]
-        subtrees: list[tuple[int, Select]] = self._subtrees  # type: ignore[attr-defined]
-        if table is not None:
-            places = np.minimum(values.astype(np.uint64), table.size - 1).astype(np.intp)
-            if not subtrees:
-                leaves: Array = self._leaf_of[places]  # type: ignore[attr-defined]
-                return leaves
-            branches = table[places]
+        values = self._read(words, ids, lengths)
+        result: Array
+        if self._table is not None:
+            places = np.minimum(values.astype(np.uint64), self._table.size - 1).astype(np.intp)
+            if not self._subtrees:
+                result = self._leaf_of[places]
+                return result
+            branches = self._table[places]
         else:
-            known: Array = self._values  # type: ignore[attr-defined]
-            places = np.searchsorted(known, values)
-            places[places == known.size] = 0
-            branches = np.where(known[places] == values, places, known.size)
-        result: Array = self._leaves[branches]  # type: ignore[attr-defined]
-        for number, subtree in subtrees:
+            places = np.searchsorted(self._values, values)
+            places[places == self._values.size] = 0
+            branches = np.where(self._values[places] == values, places, self._values.size)
+        result = self._leaves[branches]
+        for number, subtree in self._subtrees:
             rows = branches == number
             if rows.all():
                 return subtree.follow(words, ids, lengths)
@@ -530,7 +527,7 @@ class Decoder:
             for number, layout in enumerate(self.edition.layouts):
                 rows = order[ends[number] : ends[number + 1]]
                 table = self._table(layout, rows, frames.data, ids, message, node) if rows.size else None
-                if table is not None and table.rows.size:
+                if table and table.rows.size:
                     tables[layout.name] = table
         return Decoded(tables, message)
 
@@ -613,28 +610,16 @@ class Decoder:
                 columns.append(Column(field.raw_name, field, None, True))
         return tuple(columns)
 
-    def _table(self, layout: Layout, rows: Array, data: Words, ids: Words, message: Array, node: Array) -> Table | None:
+    def _table(self, layout: Layout, rows: Array, data: Words, ids: Words, message: Array, node: Array) -> Table:
         words, own = data[rows], ids[rows]
-        columns = self.columns[layout.name]
         reasons = self._rejections(layout, words, own)
-        message[rows] = np.where(reasons < 0, reasons, message[rows])
         correct = reasons == 0
-        if columns is None:
-            message[rows[correct]] = Refusal.MISSING_PARAMETER
-            return None
-        value = str(self.parameters.get(layout.parameter))
-        for constant in (c for c in layout.constants if c.parameter and (not c.only or value in c.only)):
-            if constant.parameter not in self.parameters:
-                message[rows[correct]] = Refusal.MISSING_PARAMETER
-                return None
-            same = _same(constant, int(Fraction(self.parameters[constant.parameter])), words, own)
-            message[rows[correct & ~same]] = Refusal.WRONG_CONSTANT
-            correct &= same
         if not correct.all():
+            message[rows] = np.where(correct, message[rows], reasons)
             rows, words, own = rows[correct], words[correct], own[correct]
         arrays: dict[str, Array] = {}
         raws: dict[str, Array] = {}
-        for column in columns:
+        for column in self.columns[layout.name] or ():
             field = column.field
             if field.name not in raws:
                 raws[field.name] = np.ascontiguousarray(field.read(words, own), field.dtype)
@@ -642,22 +627,30 @@ class Decoder:
         return Table(layout, rows, message[rows], node[rows], arrays)
 
     def _rejections(self, layout: Layout, words: Words, ids: Words) -> Array:
-        """The refusal of each frame because of a constant or the checksum, in the order of the checks; 0 without one."""
-        reasons = np.zeros(ids.shape, np.int32)
+        """The refusal of each frame of a layout, in the order of the checks; 0 without one."""
+        reasons = np.zeros(ids.shape, np.int16)
 
-        def check(correct: Array, refusal: Refusal) -> None:
-            reasons[(reasons == 0) & ~correct] = refusal
+        def reject(frames: Any, refusal: Refusal) -> None:
+            reasons[(reasons == 0) & frames] = refusal
 
-        def check_constants(constants: Iterable[Constant]) -> None:
-            for constant in constants:
-                if not constant.parameter:
-                    check(_same(constant, constant.value, words, ids), Refusal.WRONG_CONSTANT)
+        def check(constant: Constant) -> None:
+            value = self.parameters.get(constant.parameter, constant.value)
+            if constant.parameter and constant.parameter not in self.parameters:
+                reject(True, Refusal.MISSING_PARAMETER)
+            else:
+                reject(~_same(constant, int(Fraction(value)), words, ids), Refusal.WRONG_CONSTANT)
 
-        value = str(self.parameters.get(layout.parameter))
-        check_constants(constant for constant in layout.constants if not constant.only)
+        always = [constant for constant in layout.constants if not (constant.only or constant.parameter)]
+        for constant in always:
+            check(constant)
         if layout.checksum is not None:
-            check(layout.checksum.is_correct(words, ids), Refusal.WRONG_CHECKSUM)
-        check_constants(constant for constant in layout.constants if value in constant.only)
+            reject(~layout.checksum.is_correct(words, ids), Refusal.WRONG_CHECKSUM)
+        if layout.parameter and layout.parameter not in self.parameters:
+            reject(True, Refusal.MISSING_PARAMETER)
+        choice = str(self.parameters.get(layout.parameter))
+        for constant in layout.constants[len(always) :]:
+            if not constant.only or choice in constant.only:
+                check(constant)
         return reasons
 
 

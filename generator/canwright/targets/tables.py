@@ -150,11 +150,8 @@ class EditionTables(Positions, ABC):
         }
 
     def checked(self, message: Message) -> dict[str, Value]:
-        """What an interpreter checks besides the fields of the layout: who has a message, its `node` in the data, its checksum."""
-        table: dict[str, Value] = {
-            "only": {name: list(values) for name, values in message.only.items()} or None,
-            "node": run_table(message.node_in_data),
-        }
+        """What an interpreter checks besides the fields of the layout: the `node` in the data of a message, its checksum."""
+        table: dict[str, Value] = {"node": run_table(message.node_in_data)}
         for step in message_plan(message).decoding:
             match step:
                 case CheckChecksum():

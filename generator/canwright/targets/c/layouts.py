@@ -262,12 +262,9 @@ def _shows(variant: Variant, types: Types) -> Iterator[FieldShow]:
     for field in variant.given:
         type_ = types[field.type]
         given = type_.show.formulas.uses_parameters
-        if type_.joined is not None:
-            call = f"{type_.name}_write(printer, message->{member(field.name)});"
-            yield FieldShow(literal(f" {field.name}="), call, given)
-            continue
-        for number, element in enumerate(field.elements):
-            index, place = (f"[{element.index}]", f"[{number}]") if field.is_array else ("", "")
+        is_one = type_.joined is not None or not field.is_array
+        places = enumerate(element.index for element in field.elements)
+        for index, place in [("", "")] if is_one else [(f"[{index}]", f"[{number}]") for number, index in places]:
             raw = f"message->{member(field.name)}{place}"
             call = f"{type_.name}_write(printer, {raw}{', parameters' if given else ''});"
             yield FieldShow(literal(f" {field.name}{index}="), call, given)

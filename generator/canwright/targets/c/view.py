@@ -134,6 +134,7 @@ class EditionView:
         self.frame_flags = f"CANWRIGHT_FD_FDF{rate}" if self.fd else ""
         self.addresses = messages.addresses
         self.commands = [CommandView(messages, command) for command in edition.commands]
+        self.command_names = [(command.enumerator, command.name) for command in self.commands]
         self.effects_type = UINT64 if len(edition.effects) > 32 else UINT32
         self.effects = [
             MacroView(names.upper("effect", e.name), self.effects_type.bits(1 << i), f"{english(e.title)}.")

@@ -368,8 +368,7 @@ class _Blf:
         most = min((len(objects) - position) // size, 1 if size % 4 else len(objects))
         if not most:
             return kind, None, position + size
-        dtype = _fd_dtype(kind, size) if is_fd else _dtype(size)
-        records = np.frombuffer(objects, dtype, most, position)
+        records = np.frombuffer(objects, _dtype(kind, size), most, position)
         same = (records["signature"] == b"LOBJ") & (records["type"] == kind)
         same &= (records["size"] == size) & (records["version"] == 1)
         count = most if same.all() else int(np.argmin(same))
@@ -406,15 +405,13 @@ _USED = ["flags", "time", "channel", "state", "length", "id", "data"]
 _USED_BITS = np.array([(1 << 8 * length) - 1 for length in range(9)], np.uint64)
 
 
-def _dtype(size: int) -> np.dtype[Any]:
-    """A message in an object of any size."""
-    record = np.dtype(_RECORD)
-    assert record.fields is not None and record.names is not None
-    formats = [record.fields[name][0] for name in record.names]
-    offsets = [record.fields[name][1] for name in record.names]
-    layout: Any = {"names": record.names, "formats": formats, "offsets": offsets, "itemsize": size}
-    dtype: np.dtype[Any] = np.dtype(layout)
-    return dtype
+def _dtype(kind: int, size: int) -> np.dtype[Any]:
+    """A message in an object of a type and any size."""
+    fields: dict[str, Any] = {**np.dtype(_RECORD).fields, **_FD_CONTENT.get(kind, {})}  # type: ignore[dict-item]
+    if kind in _FD_DATA:
+        fields["data"] = (("u1", (min(size - _FD_DATA[kind], _MOST_BYTES),)), _FD_DATA[kind])
+    formats, offsets = zip(*(field[:2] for field in fields.values()), strict=True)
+    return np.dtype({"names": [*fields], "formats": formats, "offsets": offsets, "itemsize": size})
 
 
 _WIDE = np.dtype(
@@ -424,20 +421,6 @@ _WIDE = np.dtype(
     ]
 )
 """A message with room for the data of CAN FD."""
-
-
-def _fd_dtype(kind: int, size: int) -> np.dtype[Any]:
-    """A message of CAN FD in an object of any size."""
-    record = np.dtype(_RECORD)
-    assert record.fields is not None
-    start = ("signature", "header", "version", "size", "type", "flags", "client", "object", "time")
-    fields: dict[str, tuple[Any, int]] = {name: (record.fields[name][0], record.fields[name][1]) for name in start}
-    fields |= _FD_CONTENT[kind]
-    fields["data"] = (("u1", (min(size - _FD_DATA[kind], _MOST_BYTES),)), _FD_DATA[kind])
-    formats, offsets = zip(*fields.values(), strict=True)
-    layout: Any = {"names": [*fields], "formats": formats, "offsets": offsets, "itemsize": size}
-    dtype: np.dtype[Any] = np.dtype(layout)
-    return dtype
 
 
 def _wide(found: Array, kind: int) -> Array:

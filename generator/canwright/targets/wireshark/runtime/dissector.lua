@@ -21,65 +21,53 @@ local function named(name)
     return prefix .. "." .. name
 end
 
-local meta = {
-    edition = ProtoField.string(named("edition"), "Edition"),
-    command = ProtoField.string(named("command"), "Command"),
-    sending = ProtoField.string(named("sending"), "Timing"),
-    direction = ProtoField.string(named("direction"), "Direction"),
-    rule = ProtoField.string(named("rule"), "Direction decided by"),
-    node = ProtoField.uint32(named("node"), "Node"),
-    request_in = ProtoField.framenum(named("request_in"), "Request in", base.NONE, frametype.REQUEST),
-    reply_in = ProtoField.framenum(named("reply_in"), "Reply in", base.NONE, frametype.RESPONSE),
-    latency = ProtoField.relative_time(named("latency"), "Latency"),
-    rejected = ProtoField.string(named("rejected"), "Rejected"),
-}
+local all_fields, proto_fields, meta = {}, {}, {}
 
-local experts = {
-    rejected = ProtoExpert.new(
-        named("expert.rejected"), "The frame is no message of this edition",
-        expert.group.PROTOCOL, expert.severity.WARN
-    ),
-    no_reply = ProtoExpert.new(
-        named("expert.no_reply"), "The request has no reply", expert.group.SEQUENCE, expert.severity.WARN
-    ),
-    parameter = ProtoExpert.new(
-        named("expert.parameter"), "A value depends on a preference that is not set",
-        expert.group.PROTOCOL, expert.severity.NOTE
-    ),
-    preference = ProtoExpert.new(
-        named("expert.preference"), "A preference is invalid", expert.group.PROTOCOL, expert.severity.ERROR
-    ),
-}
-
-local proto_fields, all_fields, all_experts = {}, {}, {}
-for _, name in ipairs({
-    "edition", "command", "sending", "direction", "rule", "node", "request_in", "reply_in", "latency", "rejected",
-}) do
-    all_fields[#all_fields + 1] = meta[name]
+local function add_proto_field(kind, name, label, ...)
+    local made = ProtoField[kind](named(name), label, ...)
+    all_fields[#all_fields + 1] = made
+    return made
 end
-for _, name in ipairs({ "rejected", "no_reply", "parameter", "preference" }) do
+
+local function add_meta(name, label, kind, ...)
+    meta[name] = add_proto_field(kind or "string", name, label, ...)
+end
+
+add_meta("edition", "Edition")
+add_meta("command", "Command")
+add_meta("sending", "Timing")
+add_meta("direction", "Direction")
+add_meta("rule", "Direction decided by")
+add_meta("node", "Node", "uint32")
+add_meta("request_in", "Request in", "framenum", base.NONE, frametype.REQUEST)
+add_meta("reply_in", "Reply in", "framenum", base.NONE, frametype.RESPONSE)
+add_meta("latency", "Latency", "relative_time")
+add_meta("rejected", "Rejected")
+
+local all_experts, experts = {}, {}
+
+local function add_expert(name, text, group, severity)
+    experts[name] = ProtoExpert.new(named("expert." .. name), text, expert.group[group], expert.severity[severity])
     all_experts[#all_experts + 1] = experts[name]
 end
 
-local function integer_field(kind, name, label, members)
-    return ProtoField[kind](named(name), label, base.DEC, members)
-end
+add_expert("rejected", "The frame is no message of this edition", "PROTOCOL", "WARN")
+add_expert("no_reply", "The request has no reply", "SEQUENCE", "WARN")
+add_expert("parameter", "A value depends on a preference that is not set", "PROTOCOL", "NOTE")
+add_expert("preference", "A preference is invalid", "PROTOCOL", "ERROR")
 
 for _, entry in ipairs(family.fields) do
     local made = { flags = {}, kind = entry.kind, raw_kind = entry.raw }
     if entry.kind == "double" or entry.kind == "string" then
-        made.value = ProtoField[entry.kind](named(entry.name), entry.label)
+        made.value = add_proto_field(entry.kind, entry.name, entry.label)
     else
-        made.value = integer_field(entry.kind, entry.name, entry.label, entry.members)
+        made.value = add_proto_field(entry.kind, entry.name, entry.label, base.DEC, entry.members)
     end
-    all_fields[#all_fields + 1] = made.value
     if entry.raw then
-        made.raw = integer_field(entry.raw, entry.name .. ".raw", entry.label .. " (raw)")
-        all_fields[#all_fields + 1] = made.raw
+        made.raw = add_proto_field(entry.raw, entry.name .. ".raw", entry.label .. " (raw)", base.DEC)
     end
     for _, flag in ipairs(entry.flags) do
-        made.flags[flag.name] = ProtoField.bool(named(entry.name .. "." .. flag.filter), flag.label)
-        all_fields[#all_fields + 1] = made.flags[flag.name]
+        made.flags[flag.name] = add_proto_field("bool", entry.name .. "." .. flag.filter, flag.label)
     end
     proto_fields[entry.field] = made
 end
@@ -226,12 +214,9 @@ local function read_settings()
     end
 end
 
-local function edition_of(node)
-    local listed = node and settings.nodes[node]
-    if listed then
-        return listed.edition
-    end
-    return settings.edition
+-- The edition and the parameters of a node, or of those that are not listed.
+local function settings_of(node)
+    return node and settings.nodes[node] or settings
 end
 
 -- The edition of the frames with an id, and their direction if it is always the same; nil for an unknown id. A frame
@@ -249,7 +234,7 @@ local function find_edition(frame)
     for _, edition in pairs(used) do
         local nodes, is_request, is_reply = codec.nodes(edition, frame)
         for _, node in ipairs(nodes) do
-            if node == false or edition_of(node) == edition then
+            if node == false or settings_of(node).edition == edition then
                 local only
                 if not (is_request and is_reply) then
                     only = is_request and "request" or "reply"
@@ -421,11 +406,6 @@ local function add_exchange(tree, result)
     end
 end
 
-local function parameters_of(node)
-    local listed = node and settings.nodes[node]
-    return listed and listed.parameters or settings.parameters
-end
-
 -- Adds the checksum of a frame and whether it is correct.
 local function add_checksum(tree, tvb, message, frame)
     local field, found, computed = codec.checksum(message, frame)
@@ -493,24 +473,27 @@ end
 
 local NONE = {}
 
--- The remarks about a frame, each a list of an expert item and a text.
+-- The remarks with one more: an expert item and a text.
+local function with_remark(remarks, ...)
+    remarks = #remarks > 0 and remarks or {}
+    remarks[#remarks + 1] = { ... }
+    return remarks
+end
+
+-- The remarks about a frame.
 local function remarks_of(result, fields, reason, pinfo, frame)
-    local lacking = lacks_parameter(fields, reason)
-    local is_rejected, is_mistaken = reason and not lacking, settings.mistake and is_first("mistake", frame.number)
-    local is_first_lacking = lacking and is_first("parameter", frame.number)
-    local is_unanswered = result.expects_reply and pinfo.visited and is_complete
-        and #result < math.max(1, #result.message.answer.nodes)
-    if not (is_rejected or is_mistaken or is_first_lacking or is_unanswered) then
-        return NONE
+    local lacking, remarks = lacks_parameter(fields, reason), NONE
+    if reason and not lacking then
+        remarks = with_remark(remarks, experts.rejected, reason)
     end
-    local remarks = {}
-    for _, remark in ipairs({
-        { is_rejected, experts.rejected, reason }, { is_first_lacking, experts.parameter },
-        { is_mistaken, experts.preference, settings.mistake }, { is_unanswered, experts.no_reply },
-    }) do
-        if remark[1] then
-            remarks[#remarks + 1] = { table.unpack(remark, 2) }
-        end
+    if lacking and is_first("parameter", frame.number) then
+        remarks = with_remark(remarks, experts.parameter)
+    end
+    if settings.mistake and is_first("mistake", frame.number) then
+        remarks = with_remark(remarks, experts.preference, settings.mistake)
+    end
+    if result.expects_reply and pinfo.visited and is_complete and #result < math.max(1, #result.message.answer.nodes) then
+        remarks = with_remark(remarks, experts.no_reply)
     end
     return remarks
 end
@@ -520,9 +503,7 @@ local function decoded_fields(frame, result)
     if not result.message then
         return {}, result.reason, result.reason
     end
-    local listed = result.node and settings.nodes[result.node]
-    local parameters = listed and listed.parameters or settings.parameters
-    local fields, reason, parameter = codec.decode(result.message, frame, parameters)
+    local fields, reason, parameter = codec.decode(result.message, frame, settings_of(result.node).parameters)
     return fields or {}, reason, parameter and reason .. ": " .. parameter or reason
 end
 
