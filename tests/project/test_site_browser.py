@@ -16,7 +16,7 @@ from canwright.cli import main
 from canwright.conformance.adapter import write_files
 from canwright.project.loader import specification
 from canwright.project.site import build
-from canwright.targets.javascript.page import EditionSpec, explorer
+from canwright.targets.javascript.page import explorer
 from click.testing import CliRunner
 
 from ..spec_texts import ROOT
@@ -46,7 +46,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     specifications = [specification(spec) for spec in specs]
     arguments = ["handover", "--spec", str(specs[0]), "--out", str(folder / "handover")]
     assert CliRunner().invoke(main, arguments).exit_code == 0
-    write_files(explorer([EditionSpec(item) for item in specifications]), folder / "made").rename(folder / "javascript")
+    write_files(explorer(specifications), folder / "made").rename(folder / "javascript")
     build(pages_of(specifications, folder / "docs"), folder / "site", folder / "handover")
     return folder / "site"
 

@@ -27,7 +27,7 @@ from canwright.model.types import NO_PARAMETERS
 from canwright.project.loader import specification
 from canwright.targets.base import EditionInput
 from canwright.targets.c.target import CTarget
-from canwright.targets.javascript.page import FOLDER, EditionSpec, explorer
+from canwright.targets.javascript.page import FOLDER, explorer
 from canwright.targets.python.target import PythonTarget
 from canwright.templating.resources import TEMPLATES
 
@@ -94,7 +94,7 @@ class ExplorerAdapter(JavaScriptAdapter):
 
     @classmethod
     def create(cls, specification: EditionInput, workdir: Path) -> ExplorerAdapter:
-        folder = write_files(explorer([EditionSpec(specification)]), workdir) / FOLDER
+        folder = write_files(explorer([specification]), workdir) / FOLDER
         (edition,) = (folder / "editions").iterdir()
         sources = (file.read_text("utf-8") for file in (folder / "codec.js", edition, folder / "edition.js"))
         names = "decodeRequest, decodeReply, decodeAs, encodeRequest, encodeReply, candidates"
@@ -120,7 +120,7 @@ def test_golden_frames_and_their_code(spec: Path, tmp_path: Path) -> None:
     """Every golden frame is found with its raw integers; the code for one frame of each message writes its bytes."""
     item = specification(spec)
     assert item.frames is not None
-    folder = write_files(explorer([EditionSpec(item)]), tmp_path)
+    folder = write_files(explorer([item]), tmp_path)
     frames = item.frames.frames
     programs: dict[tuple[str, str], tuple[str, str, str]] = {}
     for frame, answer in zip(frames, interpret(folder, list(map(_question, frames))), strict=True):
@@ -149,7 +149,7 @@ def test_no_value_depends_on_a_parameter_that_is_not_given(spec: Path, tmp_path:
     """Values are those of golden frames; without the parameters, a value that depends on them is shown for each of their values."""
     item = specification(spec)
     assert item.frames is not None
-    folder = write_files(explorer([EditionSpec(item)]), tmp_path)
+    folder = write_files(explorer([item]), tmp_path)
     frames = [frame for frame in item.frames.frames if frame.values and len(frame.data) <= 8]
     given = interpret(folder, list(map(_question, frames)))
     alone = interpret(folder, [{**_question(frame), "parameters": {}} for frame in frames])
@@ -218,7 +218,7 @@ commands:
     )
     (tmp_path / "lamp.yaml").write_text(spec, "utf-8")
     item = specification(tmp_path / "lamp.yaml")
-    folder = write_files(explorer([EditionSpec(item)]), tmp_path)
+    folder = write_files(explorer([item]), tmp_path)
     line = "100#0003010201000000"
     (answer,) = interpret(folder, [{"line": line, "parameters": {}}])
     (shown,) = answer["found"]
@@ -228,7 +228,7 @@ commands:
 def test_a_case_outside_the_range_of_its_raw_integers_is_marked(tmp_path: Path) -> None:
     """An encoder of 14 bits is never at 720 degrees."""
     (tmp_path / "lamp.yaml").write_text(CASES, "utf-8")
-    folder = write_files(explorer([EditionSpec(specification(tmp_path / "lamp.yaml"))]), tmp_path)
+    folder = write_files(explorer([specification(tmp_path / "lamp.yaml")]), tmp_path)
     lines = [f"100#{data}00000000" for data in ("FF3F013F", "00400140", "00800101")]
     answers = interpret(folder, [{"line": line, "parameters": {}} for line in lines])
     cases = [
@@ -248,7 +248,7 @@ def test_a_case_outside_the_range_of_its_raw_integers_is_marked(tmp_path: Path) 
 
 def test_a_value_is_not_encoded_without_its_parameter(tmp_path: Path) -> None:
     """Raw integers are; a motor without the command, and a program that would have to assume a series, are named."""
-    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
+    folder = write_files(explorer([specification(MOTOR)]), tmp_path)
     reply, power = "141#A1329B00F4010080", "141#A000000064000000"
     entered = {"name": "iq", "value": 2.5, "raw": 310}
     answers = interpret(folder, [
@@ -431,7 +431,7 @@ PROBLEMS = {
 
 
 def test_lines_of_cansend_and_candump(tmp_path: Path) -> None:
-    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
+    folder = write_files(explorer([specification(MOTOR)]), tmp_path)
     answers = interpret(folder, [{"line": line, "parameters": {}} for line in LINES])
     parsed = [answer and (answer["frame"], answer["sent"], answer["time"]) for answer in answers]
     assert dict(zip(LINES, parsed, strict=True)) == LINES
@@ -439,7 +439,7 @@ def test_lines_of_cansend_and_candump(tmp_path: Path) -> None:
 
 def test_what_people_paste(tmp_path: Path) -> None:
     """Bytes without an id are the messages of the first node; a problem has its column."""
-    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
+    folder = write_files(explorer([specification(MOTOR)]), tmp_path)
     answers = interpret(folder, [{"line": line, "parameters": {}} for line in (*PASTED, *PROBLEMS)])
     frames, problems = answers[: len(PASTED)], answers[len(PASTED) :]
     assert {line: answer["frame"] for line, answer in zip(PASTED, frames, strict=True)} == PASTED
@@ -478,13 +478,13 @@ TABLES = {
 
 def test_tables(tmp_path: Path) -> None:
     """By the names of their columns; those of python-can have data in Base64, whose length decides where both notations fit."""
-    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
+    folder = write_files(explorer([specification(MOTOR)]), tmp_path)
     answers = interpret(folder, [{"log": table.splitlines()} for table in TABLES])
     assert dict(zip(TABLES, (answer["frames"] for answer in answers), strict=True)) == TABLES
 
 
 def test_a_table_that_python_can_wrote(tmp_path: Path) -> None:
-    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
+    folder = write_files(explorer([specification(MOTOR)]), tmp_path)
     messages = [
         can.Message(timestamp=1.5, arbitration_id=0x141, is_extended_id=False, data=bytes.fromhex("9C33640000000100")),
         can.Message(timestamp=1.6, arbitration_id=0x141, is_extended_id=True, data=bytes(6)),
@@ -515,14 +515,14 @@ Timestamp:        1.500000    ID: 00000004    X Rx E              DL:  8    00 0
 
 def test_error_frames_are_counted(tmp_path: Path) -> None:
     """Apart from the lines without a frame."""
-    folder = write_files(explorer([EditionSpec(specification(MOTOR))]), tmp_path)
+    folder = write_files(explorer([specification(MOTOR)]), tmp_path)
     (answer,) = interpret(folder, [{"log": ERRORS.splitlines()}])
     assert answer == {"frames": [["1.0", "141#9C00000000000000"], ["0.5", "123#9C R"]], "skipped": 1, "errors": 7}
 
 
 def test_reasons_name_the_editions(tmp_path: Path) -> None:
     """No reason of one edition is given for all, and the chosen edition gives its own alone."""
-    folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
+    folder = write_files(explorer([specification(spec) for spec in SPECS[:4]]), tmp_path)
     answers = interpret(
         folder, [{"line": "141#A132", "parameters": {}, "leading": leading} for leading in ("", "v2.35")]
     )
@@ -538,7 +538,7 @@ def test_reasons_name_the_editions(tmp_path: Path) -> None:
 
 
 def test_the_chosen_edition_leads(tmp_path: Path) -> None:
-    folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
+    folder = write_files(explorer([specification(spec) for spec in SPECS[:4]]), tmp_path)
     names = [specification(spec).edition.name for spec in SPECS[:4]]
     questions = [{"line": "141#9C33640000000100", "parameters": {}, "leading": name} for name in names]
     for name, answer in zip(names, interpret(folder, questions), strict=True):
@@ -549,7 +549,7 @@ def test_the_chosen_edition_leads(tmp_path: Path) -> None:
 
 def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
     """A request with its reserved bits, a reply with them set, all editions, both layouts of a series, and marked replies of zeros."""
-    folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
+    folder = write_files(explorer([specification(spec) for spec in SPECS[:4]]), tmp_path)
     lines = ["141#9C00000000000000", "141#9C33640000000100", "141#A1329B00F4010080", "141#9C33640000000100"]
     lines += ["(1.0) can0 141#8000000000000000 R", "(1.0) can0 141#8000000000000000 T", "141#9C00000000000000 R"]
     parameters = [{}, {}, {"series": "MG"}, {"series": "MS", "nonsense": "1", "encoder_bits": "99"}, {}, {}, {}]
@@ -569,7 +569,7 @@ def test_the_most_probable_message_is_first(tmp_path: Path) -> None:
 
 def test_a_mark_decides_among_equally_plausible_meanings(tmp_path: Path) -> None:
     """Many recorders mark every frame as received; the request turns by 360 degrees, as a reply it is at -29536 degrees per second."""
-    folder = write_files(explorer([EditionSpec(specification(spec)) for spec in SPECS[:4]]), tmp_path)
+    folder = write_files(explorer([specification(spec) for spec in SPECS[:4]]), tmp_path)
     lines = ["1 141 Rx d 8 A3 00 00 00 A0 8C 00 00", "0.5 1 141 Tx d 8 A3 00 00 00 A0 8C 00 00", "141#A3000000A08C0000"]
     answers = interpret(folder, [{"line": line, "parameters": {}, "leading": "v2.35"} for line in lines])
     for answer in answers:

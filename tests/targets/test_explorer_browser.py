@@ -14,7 +14,7 @@ import pytest
 from canwright.conformance.adapter import write_files
 from canwright.model import formatting
 from canwright.project.loader import specification
-from canwright.targets.javascript.page import FOLDER, EditionSpec, explorer
+from canwright.targets.javascript.page import FOLDER, explorer
 
 from ..project.browser import PACKAGES, accessibility_violations, browser
 from ..spec_texts import MINIMAL, SPECS
@@ -41,11 +41,7 @@ class _Quiet(SimpleHTTPRequestHandler):
 def page_of_motors(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page with the editions of the motor protocol."""
     items = [specification(spec) for spec in SPECS[:4]]
-    return (
-        write_files(explorer([EditionSpec(item) for item in items]), tmp_path_factory.mktemp("explorer"))
-        / FOLDER
-        / "index.html"
-    )
+    return write_files(explorer(items), tmp_path_factory.mktemp("explorer")) / FOLDER / "index.html"
 
 
 @pytest.fixture(scope="module")
@@ -295,7 +291,7 @@ def test_parameters_can_have_the_names_of_other_keys_of_the_address(opened: Open
     names = ("frame", "edition", "direction", "command", "lang")
     parameters = ", ".join(f"{name}: {{number: {{}}}}" for name in (*names, "problem"))
     (tmp_path / "lamp.yaml").write_text(MINIMAL.replace("types:", f"parameters: {{{parameters}}}\ntypes:"), "utf-8")
-    made = explorer([EditionSpec(specification(tmp_path / "lamp.yaml"))])
+    made = explorer([specification(tmp_path / "lamp.yaml")])
     page = opened(
         write_files(made, tmp_path) / FOLDER / "index.html", "#frame=101%231000E80300000000&direction=reply&problem=2"
     )
@@ -592,7 +588,7 @@ def test_the_same_frame_is_compared_in_two_editions(page_of_motors: Path, opened
 
 def test_a_command_links_to_its_page(opened: Open, tmp_path: Path) -> None:
     """On a site, which writes the folder of the pages into the page; an entry of a table is a section."""
-    made = write_files(explorer([EditionSpec(specification(SPECS[3]))]), tmp_path) / FOLDER / "index.html"
+    made = write_files(explorer([specification(SPECS[3])]), tmp_path) / FOLDER / "index.html"
     page = opened(made, TORQUE.replace("v2.35", "v2.36-2025-03"))
     assert not page.locator("#page").is_visible()
     assert not page.locator("#documents").is_visible()
@@ -611,7 +607,7 @@ def test_a_command_links_to_its_page(opened: Open, tmp_path: Path) -> None:
 def test_hostile_texts_are_shown_as_text(opened: Open, tmp_path: Path) -> None:
     texts = itertools.cycle(text for text in HOSTILE if "<" in text)
     item = filled(lambda: next(texts), tmp_path)
-    file = write_files(explorer([EditionSpec(item)]), tmp_path) / FOLDER / "index.html"
+    file = write_files(explorer([item]), tmp_path) / FOLDER / "index.html"
     page = opened(file)
     scripts = page.locator("script").count()
     messages = page.locator("#message option").evaluate_all("(all) => all.map((one) => one.value)")

@@ -138,7 +138,7 @@ class CodecError extends Error {
   }
 }
 
-const Rejection = /* @__PURE__ */ (() => {
+const rejection = /* @__PURE__ */ (() => {
   class Rejection {
     #describe;
 
@@ -167,12 +167,8 @@ const Rejection = /* @__PURE__ */ (() => {
   }
   Object.setPrototypeOf(Rejection.prototype, CodecError.prototype);
   Rejection.prototype.constructor = CodecError;
-  return Rejection;
+  return (refusal, describe, field) => new Rejection(refusal, describe, field);
 })();
-
-function rejection(refusal, describe, field) {
-  return new Rejection(refusal, describe, field);
-}
 
 const WIDEST_NUMBER = 53;
 const COARSE = 2 ** 51; // from here on, a quotient of doubles is too coarse for the nearest integer
@@ -965,6 +961,7 @@ class Definition {
   }
 
   decode(frame, parameters) {
+    this.check(frame);
     return this.read(frame, this.nodeOf(frame, parameters), parameters);
   }
 
@@ -1167,5 +1164,5 @@ function frozen(value) {
   return value;
 }
 
-return { CodecError, rational, Definition, EXACT, Edition, MessageResult, checkChecksum, checkConstant, checksum, layoutsOf, required, typesOf, unknownCode, unusedBits, wrongLength, wrongMessage, MAX_DATA_BYTES: 64, editions: [] };
+return { CodecError, rational, Definition, EXACT, Edition, MessageResult, checkChecksum, checkConstant, checksum, layoutsOf, required, typesOf, unknownCode, unusedBits, wrongLength, wrongMessage, own, editions: [] };
 })();

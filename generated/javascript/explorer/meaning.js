@@ -3,6 +3,7 @@
 
 /** What frames can mean, without a page: all messages that fit, in the order of their probability. */
 canwright.meaning = (() => {
+  const { own } = canwright;
   const editions = canwright.editions.map(({ tables, texts, bindings, pages = {}, answered = {}, neighbours = [] }) => {
     const codec = canwright.createEdition(tables);
     const messages = new Map(codec.MESSAGES.map((message) => [`${message.direction} ${message.command}`, message]));
@@ -42,19 +43,14 @@ canwright.meaning = (() => {
     return Object.fromEntries(Object.entries(given).filter(own).map(([name, value]) => [name, String(value)]));
   }
 
-  function isValid(edition, name, value) {
-    const { values, minimum, maximum, whole } = edition.codec.PARAMETERS[name];
-    if (values) {
-      return values.includes(value);
-    }
-    const number = canwright.rational(value);
-    if (number && whole && number[0] % number[1]) {
+  function isValid({ codec }, name, value) {
+    try {
+      codec.candidates({ id: 0 }, { [name]: value }); // checks parameters
+    } catch {
       return false;
     }
-    const isBelow = (first, second) => first[0] * second[1] < second[0] * first[1];
-    const low = minimum === undefined ? null : canwright.rational(minimum);
-    const high = maximum === undefined ? null : canwright.rational(maximum);
-    return number !== null && (number[0] > 0n || (whole && number[0] === 0n)) && !(low && isBelow(number, low)) && !(high && isBelow(high, number));
+    const { values, whole } = codec.PARAMETERS[name];
+    return values !== undefined || whole === true || canwright.rational(value)[0] > 0n;
   }
 
   /** The names of given parameters that are valid in no edition. */
@@ -103,10 +99,6 @@ canwright.meaning = (() => {
   /** The parameters of a variant: one set, or several that have the same fields. */
   function assumptions(parameters, variant) {
     return variant?.decides ? variant.values.map((value) => ({ ...parameters, [variant.parameter]: value })) : [parameters];
-  }
-
-  function own(object, name) {
-    return Object.hasOwn(object, name) ? object[name] : undefined;
   }
 
   /** The number of bits of a frame that a message determines. */
@@ -324,35 +316,34 @@ canwright.meaning = (() => {
     return `${folder}/commands/${own(edition.pages, command) ?? `${command}.html`}`;
   }
 
-  /** Why a frame is no message, each reason once with its direction and the labels of the editions that give it. */
-  function reasons(frame, edition) {
+  /** Items of editions, those of one key once, each with the `labels` of its editions. */
+  function labelled(edition, itemsOf) {
     const groups = new Map();
     for (const each of edition ? [edition] : editions) {
-      for (const [direction, decode] of [["request", each.codec.decodeRequest], ["reply", each.codec.decodeReply]]) {
-        try {
-          decode(frame);
-        } catch (error) {
-          const key = `${direction} ${error.message}`;
-          const { labels } = groups.get(key) ?? { labels: [] };
-          groups.set(key, { direction, message: error.message, refusal: error.refusal, values: error.values ?? [], labels: [...labels, label(each)] });
-        }
+      for (const [key, item] of itemsOf(each)) {
+        groups.set(key, { ...item, labels: [...(groups.get(key)?.labels ?? []), label(each)] });
       }
     }
     return [...groups.values()];
   }
 
+  /** Why a frame is no message, each reason once with its direction and the labels of the editions that give it. */
+  function reasons(frame, edition) {
+    const reason = (direction, decode) => {
+      try {
+        decode(frame);
+        return [];
+      } catch ({ message, refusal, values = [] }) {
+        return [[`${direction} ${message}`, { direction, message, refusal, values }]];
+      }
+    };
+    return labelled(edition, ({ codec }) => [...reason("request", codec.decodeRequest), ...reason("reply", codec.decodeReply)]);
+  }
+
   /** Whose a frame is, as editions state of ids that are not theirs: titles, each with the labels of the editions that have it. */
   function neighbours({ id, extended }, edition) {
-    const groups = new Map();
-    for (const each of edition ? [edition] : editions) {
-      for (const { first, last, step, title } of each.neighbours) {
-        if (id >= first && id <= last && (id - first) % step === 0 && extended === id > 0x7ff) {
-          const key = JSON.stringify(title);
-          groups.set(key, { title, labels: [...(groups.get(key)?.labels ?? []), label(each)] });
-        }
-      }
-    }
-    return [...groups.values()];
+    const isOf = ({ first, last, step }) => id >= first && id <= last && (id - first) % step === 0 && extended === id > 0x7ff;
+    return labelled(edition, (each) => each.neighbours.filter(isOf).map(({ title }) => [JSON.stringify(title), { title }]));
   }
 
   return { editions, label, find, parameters, invalid, interpret, reasons, neighbours, needed, blank, encode, rawOf, timing, page };

@@ -2174,7 +2174,6 @@ const request_save_stored_settings = /* @__PURE__ */ new Definition(LAYOUTS, {
     checkConstant(d[2], 250, "key");
   },
   read(frame, node, p) {
-    this.check(frame);
     const raw = Object.freeze({});
     const values = Object.freeze({});
     return new MessageResult(this, node, p, frame, raw, values);
@@ -4737,7 +4736,6 @@ const reply_save_stored_settings = /* @__PURE__ */ new Definition(LAYOUTS, {
     checkConstant(d[1], 5, "group");
   },
   read(frame, node, p) {
-    this.check(frame);
     const { id, data: d } = frame;
     const raw = Object.freeze({ result: d[2] });
     const values = Object.freeze({ result: TYPES[36].value(raw.result, p) });

@@ -917,7 +917,10 @@ canwright.editions.push({
           zh: "\u6bcf\u5e27\u90fd\u662f\u4e00\u6b21\u589e\u91cf\uff0c\u91cd\u590d\u53d1\u9001\u4f1a\u4f7f\u7535\u673a\u518d\u6b21\u8f6c\u52a8",
         },
       },
-      stops: { level: "note", title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" } },
+      stops: {
+        level: "note",
+        title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" },
+      },
       clears_turns: {
         level: "warning",
         title: {
@@ -950,7 +953,10 @@ canwright.editions.push({
         level: "warning",
         title: { en: "The zero of the angle changes", zh: "\u6539\u53d8\u89d2\u5ea6\u96f6\u70b9" },
       },
-      writes_ram: { level: "note", title: { en: "Not kept at power-off", zh: "\u65ad\u7535\u540e\u5931\u6548" } },
+      writes_ram: {
+        level: "note",
+        title: { en: "Not kept at power-off", zh: "\u65ad\u7535\u540e\u5931\u6548" },
+      },
       writes_rom: {
         level: "warning",
         title: {

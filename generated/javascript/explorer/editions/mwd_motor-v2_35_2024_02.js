@@ -1029,7 +1029,10 @@ canwright.editions.push({
           zh: "\u5239\u8f66\u4f1a\u542f\u52a8\u6216\u91ca\u653e",
         },
       },
-      stops: { level: "note", title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" } },
+      stops: {
+        level: "note",
+        title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" },
+      },
       clears_turns: {
         level: "warning",
         title: {
@@ -1055,7 +1058,10 @@ canwright.editions.push({
         level: "warning",
         title: { en: "The zero of the angle changes", zh: "\u6539\u53d8\u89d2\u5ea6\u96f6\u70b9" },
       },
-      writes_ram: { level: "note", title: { en: "Not kept at power-off", zh: "\u65ad\u7535\u540e\u5931\u6548" } },
+      writes_ram: {
+        level: "note",
+        title: { en: "Not kept at power-off", zh: "\u65ad\u7535\u540e\u5931\u6548" },
+      },
       writes_rom: {
         level: "warning",
         title: {
@@ -1338,7 +1344,10 @@ canwright.editions.push({
       ],
       [{ title: { en: "Target speed", zh: "\u76ee\u6807\u8f6c\u901f" }, type: 3 }],
       [
-        { title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u9650\u5236" }, type: 2 },
+        {
+          title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u9650\u5236" },
+          type: 2,
+        },
         { title: { en: "Target speed", zh: "\u76ee\u6807\u8f6c\u901f" }, type: 3 },
       ],
       [

@@ -2123,7 +2123,10 @@ canwright.editions.push({
           zh: "\u6bcf\u5e27\u90fd\u662f\u4e00\u6b21\u589e\u91cf\uff0c\u91cd\u590d\u53d1\u9001\u4f1a\u4f7f\u7535\u673a\u518d\u6b21\u8f6c\u52a8",
         },
       },
-      stops: { level: "note", title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" } },
+      stops: {
+        level: "note",
+        title: { en: "The motor stops", zh: "\u7535\u673a\u505c\u6b62\u8f6c\u52a8" },
+      },
       clears_turns: {
         level: "warning",
         title: {
@@ -2156,7 +2159,10 @@ canwright.editions.push({
         level: "warning",
         title: { en: "The zero of the angle changes", zh: "\u6539\u53d8\u89d2\u5ea6\u96f6\u70b9" },
       },
-      writes_ram: { level: "note", title: { en: "Not kept at power-off", zh: "\u65ad\u7535\u540e\u5931\u6548" } },
+      writes_ram: {
+        level: "note",
+        title: { en: "Not kept at power-off", zh: "\u65ad\u7535\u540e\u5931\u6548" },
+      },
       stages: {
         level: "note",
         title: {
@@ -2742,7 +2748,10 @@ canwright.editions.push({
         },
       ],
       [
-        { title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u9650\u5236" }, type: 2 },
+        {
+          title: { en: "Torque current limit", zh: "\u8f6c\u77e9\u7535\u6d41\u9650\u5236" },
+          type: 2,
+        },
         { title: { en: "Target speed", zh: "\u76ee\u6807\u8f6c\u901f" }, type: 3 },
       ],
       [
@@ -2800,7 +2809,12 @@ canwright.editions.push({
         { title: { en: "Ki", zh: "Ki" }, type: 8 },
         { title: { en: "Kd", zh: "Kd" }, type: 8 },
       ],
-      [{ title: { en: "Torque current limit", zh: "\u529b\u77e9\u7535\u6d41\u9650\u5236" }, type: 9 }],
+      [
+        {
+          title: { en: "Torque current limit", zh: "\u529b\u77e9\u7535\u6d41\u9650\u5236" },
+          type: 9,
+        },
+      ],
       [{ title: { en: "Speed limit", zh: "\u901f\u5ea6\u9650\u5236" }, type: 10 }],
       [{ title: { en: "Upper angle limit", zh: "\u89d2\u5ea6\u4e0a\u9650" }, type: 11 }],
       [{ title: { en: "Lower angle limit", zh: "\u89d2\u5ea6\u4e0b\u9650" }, type: 11 }],

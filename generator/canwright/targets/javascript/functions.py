@@ -151,13 +151,12 @@ class Functions:
             yield from self._check(step, message_plan(message).length)
 
     def read(self, message: Message) -> Lines:
-        """The statements that return the message of a frame and a node under the parameters `p`."""
-        plan, leading = message_plan(message), len(_leading(message))
-        if leading:
-            yield "this.check(frame);"
-        if plan.codes or plan.decoding[leading:]:
+        """The statements that return the message of a frame that is checked, and a node, under the parameters `p`."""
+        plan = message_plan(message)
+        steps = plan.decoding[len(_leading(message)) :]
+        if plan.codes or steps:
             yield f"const {PARTS} = frame;"
-        yield from self._decoding(message, plan.decoding[leading:], message.layout.fields)
+        yield from self._decoding(message, steps, message.layout.fields)
 
     def write(self, message: Message) -> Lines:
         """The statements that return the frame of what is `given` under the parameters `p`."""

@@ -2,6 +2,8 @@
 
 /** The program text of a message: cansend, C and Python. */
 canwright.code = (() => {
+  const { own } = canwright;
+
   function cansend({ decoded }) {
     return `cansend can0 ${canwright.frames.format(decoded.frame)}`;
   }
@@ -9,10 +11,6 @@ canwright.code = (() => {
   /** Why no program of C or Python can send a message: `needs` a parameter, "range", "absent", or empty. */
   function obstacle({ deviation, assumed }) {
     return assumed.length > 1 ? "needs" : deviation === "reserved" ? "" : deviation;
-  }
-
-  function own(object, name) {
-    return object && Object.hasOwn(object, name) ? object[name] : undefined;
   }
 
   /** The code of a message as a number in C and Python; null if it need not be given. */

@@ -56,9 +56,11 @@ canwright.createEdition = (tables) => {
     return new Definition(layouts, about, {
       hasKeys: (frame) => keys.every((key) => has(frame, key)),
       nodeInData: node && ((frame) => Number(bits(frame, node))),
-      read(frame, id, parameters) {
+      check(frame) {
         check(frame, fixed.filter(({ only: some }) => some === null));
         sums.forEach((field) => checkChecksum(rawIn(frame, field), computed(frame), field.name));
+      },
+      read(frame, id, parameters) {
         const fields = this.fields(parameters);
         check(frame, [...fixed, ...given].filter((field) => field.exists(parameters[choice])), parameters);
         const raw = record(fields, (field) => rawIn(frame, field));

@@ -454,6 +454,7 @@ export class Definition {
 
   /** A frame of this message with its fields. Throws CodecError for a wrong constant or checksum, or if the fields are unknown. */
   decode(frame, parameters) {
+    this.check(frame);
     return this.read(frame, this.nodeOf(frame, parameters), parameters);
   }
 

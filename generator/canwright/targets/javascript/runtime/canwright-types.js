@@ -16,7 +16,12 @@ export class CodecError extends Error {
   }
 }
 
-const Rejection = /* @__PURE__ */ (() => {
+/**
+ * The error of a frame that is rejected. It has no stack: a frame of another protocol on the bus is no mistake in a program,
+ * and to collect a stack takes longer than to decode a frame. `describe` returns the message, and the `values` in it, for texts
+ * in other languages; both are made when a program reads them.
+ */
+export const rejection = /* @__PURE__ */ (() => {
   class Rejection {
     #describe;
 
@@ -45,17 +50,8 @@ const Rejection = /* @__PURE__ */ (() => {
   }
   Object.setPrototypeOf(Rejection.prototype, CodecError.prototype);
   Rejection.prototype.constructor = CodecError;
-  return Rejection;
+  return (refusal, describe, field) => new Rejection(refusal, describe, field);
 })();
-
-/**
- * The error of a frame that is rejected. It has no stack: a frame of another protocol on the bus is no mistake in a program,
- * and to collect a stack takes longer than to decode a frame. `describe` returns the message, and the `values` in it, for texts
- * in other languages; both are made when a program reads them.
- */
-export function rejection(refusal, describe, field) {
-  return new Rejection(refusal, describe, field);
-}
 
 const WIDEST_NUMBER = 53;
 const COARSE = 2 ** 51; // from here on, a quotient of doubles is too coarse for the nearest integer
