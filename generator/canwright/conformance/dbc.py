@@ -35,7 +35,6 @@ from .adapter import (
     CanFrame,
     Cannot,
     Decoded,
-    Encoded,
     ExactValue,
     Parameters,
     Raw,
@@ -45,7 +44,7 @@ from .adapter import (
 )
 from .dbc_file import DbcFile
 
-Result = TypeVar("Result", Decoded, Encoded)
+Result = TypeVar("Result", Decoded, CanFrame)
 
 
 class DbcAdapter(Adapter):
@@ -177,7 +176,7 @@ class DbcAdapter(Adapter):
         raw: Mapping[str, Raw],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         return self._encode(direction, command, node, raw, parameters, code, scaled=False)
 
     def encode_values(
@@ -188,7 +187,7 @@ class DbcAdapter(Adapter):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         return self._encode(direction, command, node, values, parameters, code, scaled=True)
 
     def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
@@ -244,7 +243,7 @@ class DbcAdapter(Adapter):
         parameters: Parameters,
         code: int | None,
         scaled: bool,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         if self._with_ids(parameters) is not self:
             return self._with_ids(parameters)._encode(direction, command, node, given, parameters, code, scaled)
         message = self.message_of(direction, command)
@@ -294,7 +293,7 @@ def _read(files: Sequence[DbcFile], direction: Direction, frame: CanFrame) -> De
         raise
 
 
-def _first(results: Iterable[Encoded | Refused | None]) -> Encoded | Refused | None:
+def _first(results: Iterable[CanFrame | Refused | None]) -> CanFrame | Refused | None:
     """The first result of a file that has the node and the command; None when no file has the command."""
     lacks = False
     for result in results:
