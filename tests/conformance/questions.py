@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from canwright.conformance.adapter import Adapter, CanFrame, Decoded, Encoded, Parameters, Raw, Refused
+from canwright.conformance.adapter import Adapter, CanFrame, Decoded, Parameters, Raw, Refused
 from canwright.model.edition import Edition
 from canwright.model.joined import Joined, JoinedText
 from canwright.model.layout import Field, Space, bits_of
@@ -26,7 +26,7 @@ from canwright.semantics.plan import message_plan
 from ..float_rule import float_of
 from ..semantics.random_frames import random_frame
 
-Answer = Decoded | Encoded | Refused | None
+Answer = Decoded | CanFrame | Refused | None
 
 NUMBERS = ("1", "6", "3.5", "0.25", "36")
 """The values of number parameters; few, because a DBC is generated for each."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from cantools.database.can import Message as CanMessage
-from canwright.conformance.adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused
+from canwright.conformance.adapter import CanFrame, Cannot, Decoded, ExactValue, Parameters, Raw, Refused
 from canwright.conformance.dbc import DbcAdapter
 from canwright.conformance.dbc_file import DbcMessages, load
 from canwright.model.message import Direction
@@ -30,11 +30,11 @@ def read(data: str, parameters: Parameters, answering: str | None = None, id_: i
     return adapter("tiny").decode(Direction.REPLY, CanFrame(id_, bytes.fromhex(data)), parameters, answering)
 
 
-def write(command: str, values: dict[str, ExactValue], parameters: Parameters, node: int = 1) -> Encoded | Refused:
+def write(command: str, values: dict[str, ExactValue], parameters: Parameters, node: int = 1) -> CanFrame | Refused:
     return adapter("tiny").encode_values(Direction.REQUEST, command, node, values, parameters)
 
 
-def write_raw(direction: Direction, command: str, raw: dict[str, Raw], parameters: Parameters) -> Encoded | Refused:
+def write_raw(direction: Direction, command: str, raw: dict[str, Raw], parameters: Parameters) -> CanFrame | Refused:
     return adapter("tiny").encode_raw(direction, command, 1, raw, parameters)
 
 
@@ -80,7 +80,7 @@ def test_a_value_without_a_known_scale_is_none() -> None:
 def test_values_within_and_beyond_their_range(
     values: dict[str, ExactValue], parameters: Parameters, expected: str | Refused
 ) -> None:
-    wanted = Encoded(0x101, bytes.fromhex(expected)) if isinstance(expected, str) else expected
+    wanted = CanFrame(0x101, bytes.fromhex(expected)) if isinstance(expected, str) else expected
     assert write("shine", values, parameters) == wanted
 
 
@@ -88,7 +88,7 @@ def test_unknown_nodes_and_missing_parameters_are_rejected() -> None:
     turn: dict[str, ExactValue] = {"turn": Fraction(90), "power": Fraction(0)}
     assert write("turn", turn, {"steps": 12}, node=4) == Refused(Refusal.UNKNOWN_NODE)
     assert write("turn", turn, {}) == Refused(Refusal.MISSING_PARAMETER, "turn")
-    assert write("turn", turn, {"steps": 12}) == Encoded(0x101, bytes.fromhex("1B 00 00 00 64 00 00 04"))
+    assert write("turn", turn, {"steps": 12}) == CanFrame(0x101, bytes.fromhex("1B 00 00 00 64 00 00 04"))
     too_much: dict[str, ExactValue] = {"turn": Fraction(90), "power": Fraction(1)}
     assert write("turn", too_much, {"steps": 12, "rating": 1}) == Refused(Refusal.OUT_OF_RANGE, "power")
 

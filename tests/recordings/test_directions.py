@@ -235,6 +235,14 @@ def test_echoes_later_than_the_window_are_a_reason_to_doubt() -> None:
     assert doubts_of(WITH_WRITES, in_cycles(*[*[status] * 10, write] * 4)) == []
 
 
+def test_a_short_log_of_requests_with_old_bytes_is_a_reason_to_doubt() -> None:
+    """Both look like replies, but no motor replies twice at once; replies of a recorder without requests are further apart."""
+    first, second = "0 141#9C0000005AFF0000", "141#9C27D4FFFEFFFE61"
+    (sentence,) = doubts_of(WITH_WRITES, in_cycles(*[f"{first}, 270 {second}"] * 2))
+    assert sentence.startswith("can0: 2 of 4 replies follow others that can be their requests, with old bytes; ")
+    assert doubts_of(WITH_WRITES, in_cycles(*[f"{first}, 1000 {second}"] * 2)) == []
+
+
 def test_a_request_repeats_one_with_other_reserved_bits() -> None:
     """Also if these are keys of other commands of the edition."""
     log = in_cycles("0 141#9A00000000000000, 4000 141#9A05B20000000000, 5000 181#9A32081364000000")

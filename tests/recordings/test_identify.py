@@ -185,7 +185,7 @@ def test_requests_of_another_edition_that_no_node_answers_are_no_evidence() -> N
         "v2.36-2025-03": (40, 20),
     }
     unanswered = ["0 141#A755555500000000", "0 141#8155555555555555", "0 141#8C01555555555555"] * 7
-    assert "v2.35" not in names(cycles(*unanswered).nodes[0])  # nothing shows that the log has replies
+    assert names(cycles(*unanswered).nodes[0]) != ["v2.35"]  # nothing shows that the log has replies
     answered = lacked + ", 300 141#3000010203040506"
     assert names(cycles(*[read, answered] * 20).nodes[0]) == ["v2.35"]
 

@@ -9,7 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from canwright.conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Raw, Refused, assignment
+from canwright.conformance.adapter import CanFrame, Decoded, Parameters, Raw, Refused, assignment
 from canwright.model.checksum import Arithmetic, ConstantBytes, DataBytes
 from canwright.model.edition import Edition
 from canwright.model.layout import MAX_DATA_BYTES, ChecksumRole, Field, FixedRole, Segment, Space
@@ -45,7 +45,7 @@ def test_every_message_is_decoded_as_it_was_encoded(made: tuple[Edition, CAdapte
                 node = chance.choice(message.id.nodes) if message.id.nodes is not None else None
                 frame = _frame(message, node, raw, parameters)
                 encoded = target.encode_raw(direction, command.name, node, raw, parameters)
-                assert encoded == Encoded(frame.id, frame.data, frame.extended, frame.remote), (message.name, raw)
+                assert encoded == CanFrame(frame.id, frame.data, frame.extended, frame.remote), (message.name, raw)
                 decoded = target.decode(direction, frame, parameters, command.name)
                 assert isinstance(decoded, Decoded), (message.name, raw, decoded)
                 assert (decoded.command, decoded.node, decoded.raw) == (command.name, _node(message, node, raw), raw)
@@ -157,7 +157,7 @@ def test_the_check_of_any_frame_is_that_of_the_reference(made: tuple[Edition, CA
             for parameters in [*_assignments(edition)[:2], {}]:
                 if not edition.messages(direction):
                     continue
-                wanted: Decoded | Encoded | Refused = reference.decode(direction, frame, parameters, None)
+                wanted: Decoded | CanFrame | Refused = reference.decode(direction, frame, parameters, None)
                 decoded = isinstance(wanted, Decoded)
                 if isinstance(wanted, Decoded):
                     wanted = reference.encode_raw(direction, wanted.command, wanted.node, wanted.raw, parameters)

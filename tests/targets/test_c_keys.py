@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Callable
 
 import pytest
-from canwright.conformance.adapter import CanFrame, Decoded, Encoded, Refused
+from canwright.conformance.adapter import CanFrame, Decoded, Refused
 from canwright.model.edition import Edition
 from canwright.model.layout import Segment, Space
 from canwright.model.message import Command, Direction, Key, KeyRole, Message
@@ -116,7 +116,7 @@ def test_decoding_an_encoded_request_returns_its_raw_integers(
     command: str, raw: dict[str, int], id_: int, data: str, target: CAdapter
 ) -> None:
     frame = CanFrame(id_, bytes.fromhex(data), extended=True)
-    assert target.encode_raw(Direction.REQUEST, command, 2, raw, {}) == Encoded(frame.id, frame.data, extended=True)
+    assert target.encode_raw(Direction.REQUEST, command, 2, raw, {}) == CanFrame(frame.id, frame.data, extended=True)
     decoded = target.decode(Direction.REQUEST, frame, {}, None)
     assert decoded == Decoded(command, 2, raw, {name: float(value) for name, value in raw.items()})
 

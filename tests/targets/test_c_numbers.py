@@ -8,7 +8,7 @@ import struct
 from fractions import Fraction
 
 import pytest
-from canwright.conformance.adapter import CanFrame, Decoded, Encoded, Parameters, Refused
+from canwright.conformance.adapter import CanFrame, Decoded, Parameters, Refused
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
@@ -117,14 +117,14 @@ def test_from_value_to_raw(name: str, size: str, made: tuple[Edition, CAdapter])
             assert answer == Refused(Refusal.OUT_OF_RANGE, "it"), (name, value, wanted)
         else:
             data = (wanted & ((1 << type_.width) - 1)).to_bytes(8, "little")
-            assert answer == Encoded((2 << 5) | list(TYPES).index(name), data), (name, value, wanted)
+            assert answer == CanFrame((2 << 5) | list(TYPES).index(name), data), (name, value, wanted)
 
 
 def test_a_range_from_zero_has_both_zeros(made: tuple[Edition, CAdapter]) -> None:
     _, target = made
     minus_zero = 1 << 63
     answer = target.encode_raw(Direction.REQUEST, "precise_command", 1, {"it": minus_zero}, {})
-    assert answer == Encoded((1 << 5) | list(TYPES).index("precise"), minus_zero.to_bytes(8, "little"))
+    assert answer == CanFrame((1 << 5) | list(TYPES).index("precise"), minus_zero.to_bytes(8, "little"))
 
 
 @pytest.mark.parametrize("name", TYPES)

@@ -15,7 +15,7 @@ from typing import Any
 import cantools
 import pytest
 from cantools.database import Database
-from canwright.conformance.adapter import CanFrame, Cannot, Decoded, Encoded, Refused
+from canwright.conformance.adapter import CanFrame, Cannot, Decoded, Refused
 from canwright.conformance.dbc import DbcAdapter
 from canwright.model.edition import Edition
 from canwright.model.layout import ConstantRole, Element, Field, FixedRole, Layout, Segment, Space, Variant
@@ -171,7 +171,7 @@ def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.D
     frame = CanFrame(id_, packed(message, raw), message.id.extended)
 
     written = adapter(spec).encode_raw(message.direction, message.command, node, flat, assignment)
-    assert written == Encoded(frame.id, frame.data, frame.extended)
+    assert written == CanFrame(frame.id, frame.data, frame.extended)
     for code in message.identifying_codes or [None]:
         if code is not None and message.keys[0].space is Space.DATA:
             key = dataclasses.replace(message.keys[0], value=code)
@@ -198,7 +198,7 @@ def test_a_message_without_a_code_has_the_other_values_of_the_selector(page: int
     if page not in (0, 8):
         raw = {"page": page, "cell": 0x2010, "state": 0x30}
         assert adapter(PAGES).decode(Direction.REPLY, frame, {}, None) == Decoded("cells", None, raw, raw)
-        sent = Encoded(0x448, bytes([page, 0, 0x10, 0x20, 0x30, 0, 0, 0]))
+        sent = CanFrame(0x448, bytes([page, 0, 0x10, 0x20, 0x30, 0, 0, 0]))
         assert adapter(PAGES).encode_raw(Direction.REPLY, "cells", None, raw, {}) == sent
 
 
@@ -313,7 +313,7 @@ def test_a_message_with_two_selectors_crosses_cantools() -> None:
     read = both.decode(Direction.REPLY, frame, {}, None)
     assert isinstance(read, Decoded)
     assert (read.command, read.raw) == ("turn", {"turn": 0x1234, "faults": 0x21})
-    assert both.encode_raw(Direction.REPLY, "turn", 1, read.raw, {}) == Encoded(frame.id, frame.data)
+    assert both.encode_raw(Direction.REPLY, "turn", 1, read.raw, {}) == CanFrame(frame.id, frame.data)
     unknown = CanFrame(0x101, bytes.fromhex("1B 0C 00 00 34 12 00 21"))
     assert both.decode(Direction.REPLY, unknown, {}, None) == Refused(Refusal.UNKNOWN_CODE)
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import floor
 
 import pytest
-from canwright.conformance.adapter import CanFrame, Decoded, Encoded, Refused
+from canwright.conformance.adapter import CanFrame, Decoded, Refused
 from canwright.conformance.python import PythonAdapter
 from canwright.model.edition import Edition
 from canwright.model.message import Direction
@@ -125,7 +125,7 @@ def test_a_value_goes_to_the_same_raw_integer(name: str, number: str, made: Made
                 data = (raw_integer & ((1 << type_.width) - 1)).to_bytes(8, "little")
                 fits = low <= raw_integer <= high
                 expected = (
-                    Encoded(0x100 + list(TYPES).index(name), data) if fits else Refused(Refusal.OUT_OF_RANGE, "it")
+                    CanFrame(0x100 + list(TYPES).index(name), data) if fits else Refused(Refusal.OUT_OF_RANGE, "it")
                 )
                 for target in (in_c, in_python):
                     answer = target.encode_values(Direction.REQUEST, name, None, {"it": value}, parameters)
@@ -137,7 +137,7 @@ def test_the_middle_goes_away_from_zero(number: str, made: Made) -> None:
     _, in_c, in_python = made
     for target in (in_c, in_python):
         answer = target.encode_values(Direction.REQUEST, "whole", None, {"it": Fraction(0)}, {"top": number})
-        assert answer == Encoded(0x100, (32768).to_bytes(8, "little"))
+        assert answer == CanFrame(0x100, (32768).to_bytes(8, "little"))
 
 
 @pytest.mark.parametrize("number", NUMBERS)
@@ -207,7 +207,7 @@ def test_raw_integers_need_no_parameter(made: Made) -> None:
     _, in_c, in_python = made
     for target in (in_c, in_python):
         answer = target.encode_raw(Direction.REQUEST, "whole", None, {"it": 7}, {})
-        assert answer == Encoded(0x100, (7).to_bytes(8, "little"))
+        assert answer == CanFrame(0x100, (7).to_bytes(8, "little"))
         decoded = target.decode(Direction.REQUEST, CanFrame(0x100, (7).to_bytes(8, "little")), {}, None)
         assert isinstance(decoded, Decoded)
         assert (decoded.raw, decoded.values) == ({"it": 7}, {})

@@ -170,6 +170,8 @@ def _fit(result: NodeResult) -> str:
     best = result.scores[0]
     if not best.is_explained(result.judged):
         return "no edition fits"
+    if not best.is_shown(result.judged):
+        return f"no edition fits, since {counted(best.tried, 'request')} of other editions have no reply"
     if not best.requests:
         return "no edition fits, since no node fits one that has these frames"
     unanswered = sum(best.unanswered.values())

@@ -38,16 +38,6 @@ class Decoded:
 
 
 @dataclass(frozen=True)
-class Encoded:
-    """What a target wrote."""
-
-    id: int
-    data: bytes
-    extended: bool = False
-    remote: bool = False
-
-
-@dataclass(frozen=True)
 class Refused:
     """A target's no, in the words of `Refusal`, with the field where there is one."""
 
@@ -102,7 +92,7 @@ class Adapter(ABC):
         raw: Mapping[str, Raw],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         """Encodes raw integers, with one of the accepted codes; None leaves it out."""
 
     @abstractmethod
@@ -114,7 +104,7 @@ class Adapter(ABC):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused: ...
+    ) -> CanFrame | Refused: ...
 
     @abstractmethod
     def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None: ...
@@ -126,12 +116,11 @@ class Adapter(ABC):
         return message
 
 
-def means_another(message: Message, encoded: Encoded | Refused) -> bool:
+def means_another(message: Message, encoded: CanFrame | Refused) -> bool:
     """Whether a written frame is identified as another message."""
     if isinstance(encoded, Refused):
         return False
-    frame = CanFrame(encoded.id, encoded.data, encoded.extended, encoded.remote)
-    return any(is_confused(confusion, frame) for confusion in message.confusions)
+    return any(is_confused(confusion, encoded) for confusion in message.confusions)
 
 
 class DecodeOnlyAdapter(Adapter):
@@ -145,7 +134,7 @@ class DecodeOnlyAdapter(Adapter):
         raw: Mapping[str, Raw],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         raise Cannot("encode")
 
     def encode_values(
@@ -156,7 +145,7 @@ class DecodeOnlyAdapter(Adapter):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         raise Cannot("encode")
 
 

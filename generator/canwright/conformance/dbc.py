@@ -33,7 +33,6 @@ from .adapter import (
     CanFrame,
     Cannot,
     Decoded,
-    Encoded,
     ExactValue,
     Parameters,
     Raw,
@@ -43,7 +42,7 @@ from .adapter import (
 )
 from .dbc_file import DbcFile
 
-Result = TypeVar("Result", Decoded, Encoded)
+Result = TypeVar("Result", Decoded, CanFrame)
 
 
 class DbcAdapter(Adapter):
@@ -159,7 +158,7 @@ class DbcAdapter(Adapter):
         raw: Mapping[str, Raw],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         return self._encode(direction, command, node, raw, parameters, code, scaled=False)
 
     def encode_values(
@@ -170,7 +169,7 @@ class DbcAdapter(Adapter):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         return self._encode(direction, command, node, values, parameters, code, scaled=True)
 
     def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
@@ -215,7 +214,7 @@ class DbcAdapter(Adapter):
         parameters: Parameters,
         code: int | None,
         scaled: bool,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         if self._with_ids(parameters) is not self:
             return self._with_ids(parameters)._encode(direction, command, node, given, parameters, code, scaled)
         message = self.message_of(direction, command)
@@ -274,7 +273,7 @@ def _read(files: Sequence[DbcFile], direction: Direction, frame: CanFrame) -> De
         raise
 
 
-def _first(results: Iterable[Encoded | Refused | None]) -> Encoded | Refused | None:
+def _first(results: Iterable[CanFrame | Refused | None]) -> CanFrame | Refused | None:
     """The first result of a file that has the node and the command; None when no file has the command."""
     lacks = False
     for result in results:

@@ -25,7 +25,7 @@ from ..targets.dbc.limits import limit
 from ..targets.dbc.names import LETTER, message_endings, node_name, reserved_name
 from ..targets.dbc.text import fitting
 from ..targets.dbc.view import EXTENDED
-from .adapter import CanFrame, Cannot, Decoded, Encoded, ExactValue, Parameters, Raw, Refused, assignment, joined_value
+from .adapter import CanFrame, Cannot, Decoded, ExactValue, Parameters, Raw, Refused, assignment, joined_value
 from .dbc_fields import Data, Number, cell_of_selector, cells, values_of
 
 _ID = re.compile(r'(?:BO_|BO_TX_BU_|VAL_|SIG_VALTYPE_|SG_MUL_VAL_|CM_ (?:BO_|SG_)|BA_ "\w+" (?:BO_|SG_)) (\d+) ')
@@ -193,7 +193,7 @@ class DbcFile:
         parameters: Parameters,
         given_code: int | None,
         scaled: bool,
-    ) -> Encoded | Refused | None:
+    ) -> CanFrame | Refused | None:
         """The frame, or why not; None when the file lacks the command."""
         of_node = self._messages.owned_by(node_name(message.address, node))
         named = of_node or self._messages.owned_by(node_name(message.address, None) + r"\d*")
@@ -226,7 +226,7 @@ class DbcFile:
         checked = _checked(part, can_message, data, scaled, parameters)
         # whether values mean another message depends on them, so `means_another` decides that
         limits = filter(None, (limit(step) for step in plan.encoding if not isinstance(step, CheckMeaning)))
-        for name in limits if isinstance(checked, Encoded) else ():
+        for name in limits if isinstance(checked, CanFrame) else ():
             raise Cannot(name)
         return checked
 
@@ -239,14 +239,14 @@ def message_of(command: Command, direction: Direction) -> Message:
 
 def _checked(
     part: Part, can_message: CanMessage, data: Data, scaled: bool, parameters: Parameters
-) -> Encoded | Refused:
+) -> CanFrame | Refused:
     """What cantools makes of the signals, or says of them; Cannot for what it lets pass and the spec does not."""
     layout = part.message.layout
     places = ((f, place) for f in layout.fields for place in cells(can_message, part, f))
     fields = {signal.name: f for f, place in places for signal, _, _ in place.signals}
     infinite = [name for name, value in data.items() if isinstance(value, float) and value - value != 0]
     try:
-        encoded = Encoded(
+        encoded = CanFrame(
             can_message.frame_id, can_message.encode(data, scaling=scaled, strict=True), can_message.is_extended_frame
         )
     except (EncodeError, ValueError, OverflowError) as error:

@@ -29,7 +29,6 @@ from .adapter import (
     CanFrame,
     Cannot,
     Decoded,
-    Encoded,
     ExactValue,
     Parameters,
     Raw,
@@ -160,7 +159,7 @@ class PythonAdapter(Adapter):
         raw: Mapping[str, Raw],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         try:
             return _encoded(self.message(direction, command, node, raw, parameters, code))
         except ValueError as error:
@@ -189,7 +188,7 @@ class PythonAdapter(Adapter):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         try:
             cls = self._class(direction, command)
             given = {attribute(n): self._given(cls, n, v) for n, v in values.items()}
@@ -267,10 +266,10 @@ class PythonAdapter(Adapter):
         return sum(int(enum[name.upper()]) for name in names)
 
 
-def _encoded(message: Any) -> Encoded:
+def _encoded(message: Any) -> CanFrame:
     """The frame of a message; the message that is decoded from it must pass the checks of `encode` too."""
     decoded = message.unpack(node_in_id(message), message.can_id, message.encode(), message.parameters)
-    return Encoded(message.can_id, decoded.encode(), message.EXTENDED, message.REMOTE)
+    return CanFrame(message.can_id, decoded.encode(), message.EXTENDED, message.REMOTE)
 
 
 def node_in_id(message: Any) -> int | None:

@@ -20,7 +20,6 @@ from .adapter import (
     Adapter,
     CanFrame,
     Decoded,
-    Encoded,
     ExactValue,
     Parameters,
     Raw,
@@ -81,7 +80,7 @@ class ReferenceAdapter(Adapter):
         raw: Mapping[str, Raw],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         encoder = self._encoders.for_parameters(parameters)
         return _encoded(encoder.encode_raws(self.message_of(direction, command), node, raw, code))
 
@@ -93,7 +92,7 @@ class ReferenceAdapter(Adapter):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         encoder = self._encoders.for_parameters(parameters)
         return _encoded(encoder.encode_values(self.message_of(direction, command), node, values, code))
 
@@ -106,10 +105,8 @@ def _refused(rejection: Rejection) -> Refused:
     return Refused(rejection.reason, rejection.field)
 
 
-def _encoded(result: CanFrame | Rejection) -> Encoded | Refused:
-    if isinstance(result, Rejection):
-        return _refused(result)
-    return Encoded(result.id, result.data, result.extended, result.remote)
+def _encoded(result: CanFrame | Rejection) -> CanFrame | Refused:
+    return _refused(result) if isinstance(result, Rejection) else result
 
 
 def _value(value: ModelValue | list[ModelValue]) -> Value:

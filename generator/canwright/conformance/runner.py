@@ -23,7 +23,7 @@ from ..model.refusal import Refusal
 from ..model.types import Assignment, Type
 from ..semantics.decoder import Decoder, Rejection, value_of
 from ..semantics.frame import can_frame, code_of, has_usual_code
-from .adapter import Adapter, CanFrame, Cannot, Decoded, Encoded, ExactValue, Refused, assignment
+from .adapter import Adapter, CanFrame, Cannot, Decoded, ExactValue, Refused, assignment
 
 DOUBLE_IS_EXACT = 1 << 50
 """Below this, raw -> value -> raw survives the two roundings of a double. Above, values are only decoded."""
@@ -183,8 +183,8 @@ class Runner:
         message = self._adapter.message_of(frame.direction, frame.command)
         return None if has_usual_code(message, can_frame(frame)) else code_of(message, can_frame(frame))
 
-    def _encoded(self, frame: GoldenFrame, answer: Encoded | Refused) -> str:
-        wanted = Encoded(frame.id, frame.data, frame.extended, frame.remote)
+    def _encoded(self, frame: GoldenFrame, answer: CanFrame | Refused) -> str:
+        wanted = can_frame(frame)
         return "" if answer == wanted else f"{_shown(answer)}, not {_shown(wanted)}"
 
     def _refused_frame(self, entry: RefusedFrame) -> str:
@@ -256,7 +256,7 @@ def _shown(value: object) -> str:
         return f"rejected with {value.says.value}" + (f", field {value.field}" if value.field else "")
     if isinstance(value, Decoded):
         return f"decoded as {value.command}: {_shown(value.raw)}"
-    if isinstance(value, (CanFrame, Encoded)):
+    if isinstance(value, CanFrame):
         flags = " extended" * value.extended + " remote" * value.remote
         return f"0x{value.id:X}{flags} {value.data.hex(' ').upper()}".strip()
     if isinstance(value, Fraction):

@@ -30,7 +30,7 @@ def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[st
     for bus in dict.fromkeys(bus for bus, _ in summary.nodes):
         nodes = [node for (of, _), node in summary.nodes.items() if of == bus]
         missing, requests = sum(node.missing for node in nodes), sum(node.requests for node in nodes)
-        repeated = sum(node.repeated for node in nodes)
+        repeated, paired = sum(node.repeated for node in nodes), sum(node.paired for node in nodes)
         unexpected, replies = sum(node.unexpected for node in nodes), sum(node.replies for node in nodes)
         inferred = sum(node.frames - node.decided[DecidedBy.ID] - node.decided[DecidedBy.MARK] for node in nodes)
         windows = (bus_window(edition, Behaviour(), None) for node in nodes for edition in node.editions)
@@ -56,6 +56,8 @@ def doubts(summary: Summary, behaviours: Mapping[str, Behaviour]) -> Iterator[st
             varies = any(bits.value is None for bits in behaviour.old_bits)
             how = f"times decide on their directions; {_MARKS}" if varies else "they are the same in all requests"
             yield f"{where}the host sends old bytes in reserved bits of {shown}: {how}"
+        elif inferred and 4 * paired > replies:
+            yield f"{where}{paired} of {replies} replies follow others that can be their requests, with old bytes; {_MARKS}"
         elif inferred and _UNANSWERED * repeated > requests:
             yield f"{where}{repeated} of {requests} requests repeat the one before, and can be its late reply; {_MARKS}"
         elif is_slow and inferred and missing >= _LEAST and _UNANSWERED * missing > requests:

@@ -5,32 +5,13 @@ from __future__ import annotations
 import csv
 import functools
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ..diagnostics.unicode_safety import visible
 from ..model.formatting import sent
 from ..semantics.decoder import Rejection
 from .rows import MAX_FORMS, CellValue, Column, Row, RowForm
-
-CSV_COLUMNS = (
-    "number",
-    "time",
-    "bus",
-    "frame",
-    "node",
-    "edition",
-    "direction",
-    "decided_by",
-    "command",
-    "request",
-    "latency_ms",
-    "field",
-    "raw",
-    "value",
-    "unit",
-    "rejection",
-)
 
 
 @functools.lru_cache(maxsize=1 << 10)
@@ -62,7 +43,7 @@ class CsvLines:
 
     def __init__(self) -> None:
         self._writer: Any = csv.writer(_Returned(), lineterminator="\n")
-        self._header = ",".join(CSV_COLUMNS) + "\n"
+        self._header = ",".join([*OF_FRAME, "field", "raw", "value", "unit", "rejection"]) + "\n"
 
     def __call__(self, rows: Iterable[Row]) -> str:
         """The rows as lines; before the first ones, the header."""
@@ -70,29 +51,32 @@ class CsvLines:
         return header + "".join(line for row in rows for line in self._lines(row))
 
     def _lines(self, row: Row) -> Iterator[str]:
-        judged = row.judged
-        start = [
-            judged.number,
-            seconds(judged.recorded.time),
-            bus_name(judged.recorded.bus),
-            sent(judged.recorded.frame),
-            _text(judged.node),
-            row.form.label,
-            judged.direction.value if judged.direction else "",
-            judged.decided_by.value,
-            judged.message.command if judged.message else "",
-            _text(judged.request),
-            milliseconds(judged.latency),
-        ]
-        rejection = judged.rejection.text if judged.rejection else ""
+        start = [_text(content(row)) for content in OF_FRAME.values()]
+        rejection = row.judged.rejection.text if row.judged.rejection else ""
         for column, raw, value in row.cells:
-            yield self._line([*start, column.name, raw, _joined(value), column.unit, rejection])
+            yield self._line([*start, column.name, raw, _text(value), column.unit, rejection])
         if not row.form.columns:
             yield self._line([*start, "", "", "", "", rejection])
 
     def _line(self, cells: list[object]) -> str:
         line: str = self._writer.writerow(cells)
         return line
+
+
+OF_FRAME: Mapping[str, Callable[[Row], object]] = {
+    "number": lambda row: row.judged.number,
+    "time": lambda row: seconds(row.judged.recorded.time),
+    "bus": lambda row: bus_name(row.form.bus),
+    "frame": lambda row: sent(row.judged.recorded.frame),
+    "node": lambda row: row.form.node,
+    "edition": lambda row: row.form.label,
+    "direction": lambda row: row.form.direction and row.form.direction.value,
+    "decided_by": lambda row: row.form.decided_by.value,
+    "command": lambda row: row.form.message and row.form.message.command,
+    "request": lambda row: row.judged.request,
+    "latency_ms": lambda row: milliseconds(row.judged.latency),
+}
+"""What is known of a frame: the columns of CSV and their contents."""
 
 
 class _Returned:
@@ -102,11 +86,7 @@ class _Returned:
         return text
 
 
-def _text(number: int | None) -> str:
-    return "" if number is None else str(number)
-
-
-def _joined(value: CellValue) -> object:
+def _text(value: object) -> object:
     return "|".join(value) if isinstance(value, list) else "" if value is None else value
 
 

@@ -117,7 +117,7 @@ def _pattern(text: str) -> re.Pattern[str]:
 def _by_columns(
     names: Sequence[str], known: Mapping[str, str], rest: str, separator: str, end: str
 ) -> list[re.Pattern[str]]:
-    """The pattern of lines with these columns and an end; `rest` is an unknown column. None if a name is there twice."""
+    """The pattern of lines with these columns and an end; `rest` is an unknown column. No pattern if a name is there twice."""
     columns = separator.join(known.get(name, rest) for name in names)
     return [_pattern(columns + end)] if len({*names}) == len(names) else []
 
@@ -182,7 +182,8 @@ _DATA = r"(?P<data>(?:[\da-f]{2}(?:\s+|$))*)"
 _NUMBERS = r"(?P<numbers>(?:\s+[\da-f]{1,3}(?=\s|$))*)"
 _BY_NUMBER = r"0x(?:(?P<id>0*[0-7]?[\da-f]{1,2})|(?P<long>[\da-f]{3,10}))"
 """An id of 11 bits if it is small enough."""
-_BY_DIGITS = r"(?!FFFFFFFF)(?:(?P<long>[\da-f]{8})|(?P<id>[\da-f]{4}))"
+_LONG = r"(?P<long>[\da-f]{8})"
+_BY_DIGITS = rf"(?!FFFFFFFF)(?:{_LONG}|(?P<id>[\da-f]{{4}}))"
 """An id of TRC; all bits of it stand for a status of the bus."""
 _TRC_COLUMNS = {
     "N": r"\d+",
@@ -277,7 +278,7 @@ FORMS = {
     "pcan_explorer": LineForm(
         frames=(
             _pattern(
-                rf"\d+\s+{_TIME}\s+(?P<bus>\d{{1,3}})\s+(?:(?P<long>[\da-f]{{8}})|(?P<id>[\da-f]{{3,4}}))h?\s+(?:\S+\s+)?{_MARK}\s+"
+                rf"\d+\s+{_TIME}\s+(?P<bus>\d{{1,3}})\s+(?:{_LONG}|(?P<id>[\da-f]{{3,4}}))h?\s+(?:\S+\s+)?{_MARK}\s+"
                 rf"(?:(?P<error>Error)\b.*|(?:(?P<remote>Remote|RTR)|(?:FD\s+)?Data)\s+(?P<length>\d{{1,2}})\s*{_DATA})"
             ),
         ),
@@ -288,7 +289,7 @@ FORMS = {
     "python_can_print": LineForm(
         frames=(
             _pattern(
-                rf"Timestamp:\s+{_TIME}\s+ID:\s+(?:(?P<long>[\da-f]{{8}})\s+X|(?P<id>[\da-f]{{3,4}})\s+S)(?:\s+{_MARK})?"
+                rf"Timestamp:\s+{_TIME}\s+ID:\s+(?:{_LONG}\s+X|(?P<id>[\da-f]{{3,4}})\s+S)(?:\s+{_MARK})?"
                 r"(?:\s+(?P<error>E))?(?:\s+(?P<remote>R))?(?:\s+(?:F|BS|EI))*\s+DLC?:\s+(?P<length>\d{1,2})\s*"
                 rf"{_DATA}(?:'.*'\s*)?(?:Channel:\s+(?P<bus>\S+))?"
             ),

@@ -13,7 +13,7 @@ from ..model.joined import JoinedText
 from ..model.layout import Layout
 from ..model.message import Message
 from ..targets.columns.view import free_name, tables_of
-from .exports import bus_name
+from .exports import OF_FRAME, bus_name
 from .log_frame import LogError
 from .packages import require
 from .rows import Cell, Column, Row, columns, elements
@@ -168,18 +168,11 @@ def _content(row: Row, properties: Mapping[str, str]) -> dict[str, object]:
     time, latency = judged.recorded.time, judged.latency
     listed = [(properties[cell.column.name], cell) for cell in row.cells]
     values = {name: _value(cell) for name, cell in listed}
-    facts = {
-        "number": judged.number,
+    times = {
         "time": None if time is None else time / 1_000_000_000,
-        "bus": bus_name(judged.recorded.bus),
-        "node": judged.node,
-        "edition": row.form.label,
-        "direction": judged.direction and judged.direction.value,
-        "decided_by": judged.decided_by.value,
-        "command": judged.message and judged.message.command,
-        "request": judged.request,
         "latency_ms": None if latency is None else latency / 1_000_000,
     }
+    facts = {name: OF_FRAME[name](row) for name in _FRAME} | times
     return {**_known(values), "raw": {name: _raw(cell) for name, cell in listed}, "frame": _known(facts)}
 
 

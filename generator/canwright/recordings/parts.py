@@ -122,7 +122,9 @@ class _Part:
         possible = [score for score in complete if score.is_possible(self.judged)]
         scores.sort(key=lambda score: (score not in possible, score.score, -score.explained))
         limit = min((score.score for score in complete), default=0) + STRONG * max(1, math.sqrt(noise))
-        fitting = tuple(score.edition for score in scores if score in possible and score.score < limit)
+        fits = [score for score in scores if score in possible and score.score < limit]
+        is_shown = any(score.is_shown(self.judged) for score in fits)
+        fitting = tuple(score.edition for score in fits) if is_shown else ()
         differing = _differing(fitting)
         seen = {own.frames[at].name for own in self.readings for at in self.own}
         examples = {self.arrivals[at].kind: self.arrivals[at].recorded.frame for at in reversed(self.own)}

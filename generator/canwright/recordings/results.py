@@ -62,13 +62,13 @@ class EditionScore:
     unanswered: Mapping[str, int]
 
     def is_explained(self, judged: int) -> bool:
-        """Whether the edition explains nearly all of the frames that some edition has.
+        """Whether the edition explains nearly all of the frames that some edition has, apart from fewer that are tried."""
+        return self.explained > self.tried and self.explained + self.tried >= EXPLAINED * judged
 
-        Tried requests count as explained if no fewer are answered: a log that lacks requests, or replies, does not show them.
-        """
+    def is_shown(self, judged: int) -> bool:
+        """Whether that is so without tried requests, or no fewer requests are answered: the log may lack replies to them."""
         answered = self.requests - sum(self.unanswered.values())
-        tried = self.tried if self.tried <= answered else 0
-        return self.explained + tried >= EXPLAINED * judged
+        return self.tried <= answered or self.explained >= EXPLAINED * judged
 
     def is_possible(self, judged: int) -> bool:
         """Whether the edition explains nearly all frames, and most of its requests are answered, unless these are rare."""

@@ -16,6 +16,7 @@ from ..semantics.frame import CanFrame
 from .counter_gaps import CounterGaps
 from .directions import DecidedBy, DirectedFrame
 from .effects import FormEffects, NodeEffects, form_effects
+from .frame_classes import WINDOW
 from .log_frame import new_tuple
 from .periods import Periods
 from .rows import MAX_FORMS, Cell, Row, RowForm
@@ -50,7 +51,8 @@ class NodeSummary:
     """The frames of a node on a bus.
 
     `missing` are requests that were not answered, `repeated` those that have the bytes of the request before, also without a
-    reply, and can be its reply, `late` replies long after most others, `unexpected` replies without a request, `answered_by_others` replies of other nodes to its requests, `copies` frames that were recorded again, `rejected` frames that are no message of their direction,
+    reply, and can be its reply, `late` replies long after most others, `unexpected` replies without a request, `paired` those of them
+    that follow another one as soon as a reply follows its request, `answered_by_others` replies of other nodes to its requests, `copies` frames that were recorded again, `rejected` frames that are no message of their direction,
     `implausible` values by field and range. Latencies are in ns. `labels` name the editions that fit, `commands` those of the frames.
     """
 
@@ -63,6 +65,7 @@ class NodeSummary:
     repeated: int = 0
     late: int = 0
     unexpected: int = 0
+    paired: int = 0
     answered_by_others: int = 0
     rejected: dict[Refusal, RejectedFrames] = field(default_factory=dict)
     implausible: dict[tuple[str, str], ImplausibleValues] = field(default_factory=dict)
@@ -75,6 +78,8 @@ class NodeSummary:
     """The gaps between the values of counters, by message and column."""
     asked: DirectedFrame | None = None
     """The last request; None if it repeats the one before."""
+    unasked: DirectedFrame | None = None
+    """The last reply without a request; None if it is paired."""
     timed: int = 0
     latency: int = 0
     longest: int = 0
@@ -256,6 +261,9 @@ class Summary:
         node = counted.node
         if judged.request is None:
             node.unexpected += counted.command.only_answers
+            is_paired = node.unasked is not None and _is_soon(node.unasked, judged)
+            node.paired += is_paired
+            node.unasked = None if is_paired else judged
             return
         waiting = self._waiting.get(judged.request)
         if waiting is not None:
@@ -280,6 +288,14 @@ class Summary:
         for node in waiting.request.command.from_each:
             if (waiting.bus, node) in self.nodes and node not in waiting.replied:
                 self.nodes[waiting.bus, node].missing += 1
+
+
+def _is_soon(before: DirectedFrame, judged: DirectedFrame) -> bool:
+    """Whether a frame follows another one of its message as soon as a reply follows its request."""
+    start, end = before.recorded.time, judged.recorded.time
+    if start is None or end is None or before.message is not judged.message:
+        return False
+    return 0 <= end - start < WINDOW // 4
 
 
 def _count(node: NodeSummary, message: Message, row: Row) -> None:

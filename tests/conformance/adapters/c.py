@@ -14,7 +14,6 @@ from canwright.conformance.adapter import (
     CanFrame,
     Cannot,
     Decoded,
-    Encoded,
     ExactValue,
     Parameters,
     Raw,
@@ -118,7 +117,7 @@ class CAdapter(Adapter):
         raw: Mapping[str, Raw],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         message = self.message_of(direction, command)
         words = _code(message, code)
         for field, index, number in _items(message.layout, raw):
@@ -136,7 +135,7 @@ class CAdapter(Adapter):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         message = self.message_of(direction, command)
         words = _code(message, code)
         for field, index, value in _items(message.layout, values):
@@ -224,14 +223,14 @@ class CAdapter(Adapter):
 
     def _encode(
         self, message: Message, node: int | None, parameters: Parameters, is_value: bool, words: list[str]
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         start = [*self._known(parameters), str(node or 0), str(int(is_value))]
         answer = self._ask("encode", message.name, *start, *words)
         if isinstance(answer, Refused):
             return answer
         id_, data = int(answer[0], 16), bytes.fromhex(answer[1] if len(answer) > 1 else "")
         is_remote = bool(id_ & REMOTE)
-        return Encoded(id_ & 0x1FFFFFFF, b"" if is_remote else data, bool(id_ & EXTENDED), is_remote)
+        return CanFrame(id_ & 0x1FFFFFFF, b"" if is_remote else data, bool(id_ & EXTENDED), is_remote)
 
     def _known(self, parameters: Parameters) -> Iterator[str]:
         """For each parameter of the edition the place of its value, or numerator and denominator; 0 is not known."""

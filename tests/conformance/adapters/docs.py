@@ -17,7 +17,6 @@ from canwright.conformance.adapter import (
     CanFrame,
     Cannot,
     Decoded,
-    Encoded,
     ExactValue,
     Parameters,
     Raw,
@@ -235,7 +234,7 @@ class DocsAdapter(Adapter):
         raw: Mapping[str, Raw],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         if any(parameters.get(n, only[0]) not in only for n, only in self.message_of(direction, command).only.items()):
             raise Cannot("availability")
         page = self._messages[direction, command].at(parameters)
@@ -251,7 +250,7 @@ class DocsAdapter(Adapter):
 
     def _encode(
         self, page: MessagePage, node: int | None, raw: Mapping[str, Raw], parameters: Parameters
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         rows = self._rows(page, parameters)
         if page.parameter and page.nodes is not None and node not in page.nodes:
             return Refused(Refusal.UNKNOWN_NODE)
@@ -281,7 +280,7 @@ class DocsAdapter(Adapter):
             assert row.checksum
             word |= row.bits.write(row.checksum.of(can_id, page.extended, data, row.bits))
             data = word.to_bytes(page.dlc, "little")
-        return Encoded(can_id, data, page.extended, page.remote)
+        return CanFrame(can_id, data, page.extended, page.remote)
 
     def _refusal(self, row: FieldRow, raw: int, parameters: Parameters) -> Refusal | None:
         is_float = row.raw[0] == "f" and self._no_value(row, raw) is None
@@ -317,7 +316,7 @@ class DocsAdapter(Adapter):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         rows = self._rows(self._messages[direction, command], parameters)
         if isinstance(rows, Refused):
             return rows

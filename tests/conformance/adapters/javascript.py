@@ -14,7 +14,6 @@ from canwright.conformance.adapter import (
     Adapter,
     CanFrame,
     Decoded,
-    Encoded,
     ExactValue,
     Parameters,
     Raw,
@@ -87,7 +86,7 @@ class JavaScriptAdapter(Adapter):
         raw: Mapping[str, Raw],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         return self._encode(
             direction, command, node, parameters, code, raw={name: _given(value) for name, value in raw.items()}
         )
@@ -100,7 +99,7 @@ class JavaScriptAdapter(Adapter):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         message = self.message_of(direction, command)
         fields = {field.name: field for field in message.layout.fields}
         given = {name: _content(fields[name], value) for name, value in values.items()}
@@ -114,12 +113,12 @@ class JavaScriptAdapter(Adapter):
         parameters: Parameters,
         code: int | None,
         **content: Any,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         content |= {"node": node, "parameters": _plain(parameters), **({} if code is None else {"code": code})}
         answer = self.ask("encode", direction=direction.value, command=command, content=content)
         if isinstance(answer, Refused):
             return answer
-        return Encoded(answer["id"], bytes(answer["data"]), answer["extended"], answer["remote"])
+        return CanFrame(answer["id"], bytes(answer["data"]), answer["extended"], answer["remote"])
 
     def answers(self, request: CanFrame, reply: CanFrame, parameters: Parameters = NO_PARAMETERS) -> Refused | None:
         answer = self.ask("answers", request=_frame(request), reply=_frame(reply), parameters=_plain(parameters))

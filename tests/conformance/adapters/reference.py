@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from canwright.conformance import reference
-from canwright.conformance.adapter import Encoded, ExactValue, Parameters, Refused, assignment
+from canwright.conformance.adapter import CanFrame, ExactValue, Parameters, Refused, assignment
 from canwright.model.message import Direction
 from canwright.model.types import Assignment, Type, product_of
 
@@ -24,7 +24,7 @@ class ReferenceAdapter(reference.ReferenceAdapter):
         values: Mapping[str, ExactValue],
         parameters: Parameters,
         code: int | None = None,
-    ) -> Encoded | Refused:
+    ) -> CanFrame | Refused:
         known = assignment(parameters)
         types = {field.name: field.type for field in self.message_of(direction, command).layout.fields}
         given = {

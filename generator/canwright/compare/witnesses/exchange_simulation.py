@@ -266,17 +266,14 @@ class ExchangeSimulation:
 
     def _identified(self, case: _Case, sent: Message, read: Message | None) -> Iterator[Witness]:
         """The frames of a message that are another message, or none; with the correct id, and with the sender's."""
-        of_ids = True  # no parameter that varies here affects an id, so ids are tried once
+        by_id = self._frames_of_ids(sent, read)  # no parameter that varies here affects an id, so they are tried once
         for assignment in self._assignments.of(case.parameters):
             if not all(command.available(assignment) for command in case.both):
                 continue
             seen: set[object] = set()
             for known in (assignment, *self._with_other_ranges(assignment, sent)):
                 transfer = _Transfer(case, sent, read, known, self._assignments.encoder(known))
-                trials = self._frames(transfer)
-                if of_ids:
-                    trials, of_ids = itertools.chain(trials, self._frames_of_ids(transfer)), False
-                for trial in trials:
+                for trial in itertools.chain(self._frames(transfer), by_id):
                     outcome = self._outcome(transfer, trial)
                     if outcome is None:
                         continue
@@ -351,12 +348,11 @@ class ExchangeSimulation:
                         accepted = candidates.with_first_key(sent, candidate, code)
                         yield _Trial(common, accepted, exists=candidate == original)
 
-    def _frames_of_ids(self, transfer: _Transfer) -> Iterator[_Trial]:
+    def _frames_of_ids(self, sent: Message, read: Message | None) -> Iterator[_Trial]:
         """Frames of a message with the ids of the sender, if those of the receiver differ."""
-        sent, read = transfer.sent, transfer.read
         if read is not None and read.id != sent.id:
             for node in _nodes(sent.id):
-                base = next(Sender(transfer.encoder, sent, node).samples(), None)
+                base = next(Sender(self._assignments.encoder(), sent, node).samples(), None)
                 if base is not None:
                     yield _Trial(node, base, is_of_id=True)
 
