@@ -19,7 +19,6 @@ local codec = {}
 local TWO_32 = 4294967296
 
 local floor = math.floor
-local unpack_values = table.unpack
 
 local function power(exponent)
     return floor(2 ^ exponent)
@@ -664,15 +663,6 @@ function codec.rejects(message, frame, choice)
         return "wrong_constant"
     end
     return nil
-end
-
--- The reserved bits of a frame as a text.
-function codec.reserved_bits(message, frame)
-    local values = {}
-    for number, bits in ipairs(message.reserved) do
-        values[number] = floor((frame[bits[1]] or 0) / bits[2]) % bits[3]
-    end
-    return string.char(unpack_values(values))
 end
 
 -- Whether the reserved bits of a frame are as the spec demands.

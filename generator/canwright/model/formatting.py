@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeVar
 
 from .checksum import Arithmetic, ConstantBytes, DataBytes, Input
 from .layout import (
@@ -197,6 +197,13 @@ class ReplyWords(NamedTuple):
 
 
 ENGLISH_REPLIES = ReplyWords()
+
+W = TypeVar("W", PlaceWords, SendingWords, ReplyWords)
+
+
+def words_of(kind: type[W], texts: Mapping[str, str], prefix: str) -> W:
+    """The words among texts whose names start with `prefix` and `_`."""
+    return kind(*(texts[f"{prefix}_{name}"] for name in kind._fields))
 
 
 def further_replies(command: Command, words: ReplyWords = ENGLISH_REPLIES) -> Iterator[str]:

@@ -362,9 +362,9 @@ class Command:
         return tuple(dict.fromkeys(name for name in needed if name))
 
     @property
-    def has_several_frames(self) -> bool:
-        """Whether one node answers with several frames."""
-        return sum(reply.frames for reply in self.replies if not reply.is_alternative) > 1
+    def reply_frames(self) -> int:
+        """The number of frames with which one node answers, at most."""
+        return sum(reply.frames for reply in self.replies if not reply.is_alternative)
 
     @property
     def only_answers(self) -> bool:

@@ -201,7 +201,7 @@ class Observed:
         if judged.direction is not Direction.REPLY:
             return
         is_certain = judged.decided_by in ("content", "id", "mark") and not (
-            command.from_each or command.has_several_frames
+            command.from_each or command.reply_frames > 1
         )
         if judged.latency is not None and is_certain and command.reply_within_ms is None:
             self._latencies.append(judged.latency)

@@ -137,8 +137,6 @@ class EditionTables(Positions, ABC):
                 assert_never(role)
 
     def message(self, message: Message) -> dict[str, Value]:
-        """A message; `frames` are the field with the number of the frame, the first and the last number, if there are several."""
-        sequence = message.sequence
         return {
             "command": message.command,
             "direction": message.direction.value,
@@ -146,7 +144,6 @@ class EditionTables(Positions, ABC):
             "length": message.dlc,
             "keys": [self.condition(key.key, key.values) for key in message_plan(message).keys] or None,
             "layout": self.layouts[message.layout],
-            "frames": [sequence.field, sequence.numbers[0], sequence.numbers[-1]] if sequence else None,
         }
 
     def checked(self, message: Message) -> dict[str, Value]:

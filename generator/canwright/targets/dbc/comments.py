@@ -18,7 +18,8 @@ class Comments:
 
     def __init__(self, language: str) -> None:
         self.language = language
-        self._texts: Mapping[str, str] = template_texts(_FILE)[language]
+        self.texts: Mapping[str, str] = template_texts(_FILE)[language]
+        """The fixed texts with their placeholders."""
 
     def of(self, texts: Text) -> str:
         """A text of the spec: in the language, else in English or the first language."""
@@ -26,11 +27,7 @@ class Comments:
 
     def fixed(self, name: str, **values: object) -> str:
         """A fixed text with its values."""
-        return self._texts[name].format(**values)
-
-    def fixed_text(self, name: str) -> str:
-        """A fixed text with its placeholders."""
-        return self._texts[name]
+        return self.texts[name].format(**values)
 
     def deprecation(self, deprecated: Deprecation | None, name: str = "") -> str:
         """The sentence about a deprecated item, with its name if it is not the first thing in the comment."""
@@ -51,16 +48,16 @@ class Comments:
 
     def labelled(self, label: str, text: str) -> str:
         """`label: text`."""
-        return f"{label}{self._texts['colon']}{text}"
+        return f"{label}{self.texts['colon']}{text}"
 
     def listed(self, texts: Iterable[str]) -> str:
         """`one, two`."""
-        return self._texts["comma"].join(texts)
+        return self.texts["comma"].join(texts)
 
     def sentences(self, texts: Iterable[str]) -> str:
         """The texts that are not empty, each as a sentence."""
         ended = [text.rstrip(".。") for text in texts if text]
-        return self._texts["stop"].join(ended) + self._texts["end"] if ended else ""
+        return self.texts["stop"].join(ended) + self.texts["end"] if ended else ""
 
 
 def languages() -> Sequence[str]:

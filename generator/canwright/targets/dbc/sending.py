@@ -34,7 +34,7 @@ def attributes(frame: Frame) -> tuple[str, int]:
 
 def sentences(frame: Frame, comments: Comments) -> Iterator[str]:
     """When the frame is sent; by command if its messages differ."""
-    words = formatting.SendingWords(*(comments.fixed_text(f"sending_{n}") for n in formatting.SendingWords._fields))
+    words = formatting.words_of(formatting.SendingWords, comments.texts, "sending")
     common = _common(frame)
     if common is not None:
         yield comments.fixed("sent", when=formatting.sending(common, words))

@@ -243,8 +243,8 @@ def facts(message: Message, labels: Labels) -> Iterator[tuple[str, str]]:
     frame = labels["remote_frame" if message.remote else "data_frame"]
     yield labels["frame"], labels["comma"].join((kind, frame, f"`{message.dlc}` {labels['data_bytes']}"))
     if message.sending is not None:
-        words = (labels[f"sending_{name}"] for name in formatting.SendingWords._fields)
-        yield labels["sent"], formatting.sending(message.sending, formatting.SendingWords(*words))
+        words = formatting.words_of(formatting.SendingWords, labels, "sending")
+        yield labels["sent"], formatting.sending(message.sending, words)
     if message.sequence is not None:
         first, last = message.sequence.numbers[0], message.sequence.numbers[-1]
         yield labels["frames"], labels["frame_numbers"].format(code(message.sequence.field), code(f"{first}..{last}"))

@@ -87,11 +87,9 @@ def rows_of(
 def _sending(message: Message, labels: Mapping[str, str]) -> Iterator[str]:
     """When the message is sent, and the numbers of its frames, if these are stated."""
     if message.sending is not None:
-        words = (labels[f"sending_{name}"] for name in formatting.SendingWords._fields)
-        yield formatting.sending(message.sending, formatting.SendingWords(*words))
+        yield formatting.sending(message.sending, formatting.words_of(formatting.SendingWords, labels, "sending"))
     if message.sequence is not None:
-        numbers = formatting.ReplyWords(*(labels[f"replies_{name}"] for name in formatting.ReplyWords._fields))
-        yield formatting.frame_numbers(message.sequence, numbers)
+        yield formatting.frame_numbers(message.sequence, formatting.words_of(formatting.ReplyWords, labels, "replies"))
 
 
 class Shown:
@@ -101,7 +99,7 @@ class Shown:
         self.edition = edition
         self.language = language
         self.labels = labels
-        self.words = formatting.PlaceWords(*(labels[f"place_{name}"] for name in formatting.PlaceWords._fields))
+        self.words = formatting.words_of(formatting.PlaceWords, labels, "place")
 
     def list(self, texts: Iterable[str]) -> str:
         """The texts that are not empty in one cell."""
@@ -255,8 +253,7 @@ def _answer(command: Command, direction: Direction, texts: Mapping[str, str]) ->
         return "" if command.replies else texts["no_reply"]
     forms = [texts["echo"] for reply in command.replies if isinstance(reply, EchoReply)]
     forms += [texts["other"].format(reply.of) for reply in command.replies[:1] if isinstance(reply, OtherReply)]
-    words = formatting.ReplyWords(*(texts[f"replies_{name}"] for name in formatting.ReplyWords._fields))
-    forms += formatting.further_replies(command, words)
+    forms += formatting.further_replies(command, formatting.words_of(formatting.ReplyWords, texts, "replies"))
     if command.from_each:
         forms.append(texts["from_each"].format(formatting.numbers(command.from_each)))
     return texts["semicolon"].join(forms)

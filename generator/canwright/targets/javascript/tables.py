@@ -40,7 +40,7 @@ class JavaScriptTables(EditionTables):
     def message(self, message: Message) -> dict[str, Value]:
         """What a message is; its functions decide the rest."""
         sending, sequence = message.sending, message.sequence
-        table: dict[str, Value] = {**super().message(message), "frames": None}
+        table = super().message(message)
         if sequence is not None:
             table["frames"] = {"field": sequence.field, "first": sequence.numbers[0], "last": sequence.numbers[-1]}
         if sending is not None:

@@ -86,9 +86,8 @@ def class_attributes(edition: Edition, command: Command) -> Iterator[code.Code]:
         yield code.dict_of(fields, "EXEMPT = ")
     if command.repeat is not None:
         yield f"REPEAT = {command.repeat is Repeat.SAME}"
-    replies = sum(reply.frames for reply in command.replies if not reply.is_alternative)
-    if replies != 1:
-        yield f"REPLIES = {replies}"
+    if command.reply_frames != 1:
+        yield f"REPLIES = {command.reply_frames}"
     if command.from_each:
         yield code.tuple_of(map(str, command.from_each), "REPLIERS = ")
     if is_read(edition, command) and reply_differs(edition, command):
