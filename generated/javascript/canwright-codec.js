@@ -412,15 +412,11 @@ class Field {
 /** A request or a reply: what it is, and its generated functions. */
 export class Definition {
   constructor(layouts, about, { hasKeys = () => true, nodeInData = null, check = () => {}, read, write }) {
+    const { direction, command, length, frames } = about;
+    Object.assign(this, { about, direction, command, length, frames, hasKeys, nodeInData, check, read, write });
     this.layout = layouts[about.layout];
-    this.about = about;
-    this.direction = about.direction;
-    this.command = about.command;
-    this.length = about.length;
-    this.frames = about.frames;
     this.rule = new IdRule(about);
     this.answers = []; // the plans of its replies
-    Object.assign(this, { hasKeys, nodeInData, check, read, write });
   }
 
   /** What the message is, for tools, under the names of `MessageDescription`; its mask is the bits of its keys and fields. */
@@ -608,15 +604,14 @@ export function unusedBits({ id }) {
   return rejection("unknown_id", () => [`${hex(id)} has bits that are 0 in the ids of this message`, hex(id)]);
 }
 
+class Exact {
+  toJSON() {
+    return withoutBigInt(this);
+  }
+}
+
 /** What objects with BigInt inherit, so that JSON has them. */
-export const EXACT = /* @__PURE__ */ (() => {
-  const toJSON = {
-    value() {
-      return withoutBigInt(this);
-    },
-  };
-  return Object.create(Object.prototype, { toJSON });
-})();
+export const EXACT = /* @__PURE__ */ new Exact();
 
 /** A frame with its meaning; immutable. */
 export class MessageResult {

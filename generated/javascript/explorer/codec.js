@@ -922,15 +922,11 @@ class Field {
 
 class Definition {
   constructor(layouts, about, { hasKeys = () => true, nodeInData = null, check = () => {}, read, write }) {
+    const { direction, command, length, frames } = about;
+    Object.assign(this, { about, direction, command, length, frames, hasKeys, nodeInData, check, read, write });
     this.layout = layouts[about.layout];
-    this.about = about;
-    this.direction = about.direction;
-    this.command = about.command;
-    this.length = about.length;
-    this.frames = about.frames;
     this.rule = new IdRule(about);
     this.answers = []; // the plans of its replies
-    Object.assign(this, { hasKeys, nodeInData, check, read, write });
   }
 
   get description() {
@@ -1095,14 +1091,13 @@ function unusedBits({ id }) {
   return rejection("unknown_id", () => [`${hex(id)} has bits that are 0 in the ids of this message`, hex(id)]);
 }
 
-const EXACT = /* @__PURE__ */ (() => {
-  const toJSON = {
-    value() {
-      return withoutBigInt(this);
-    },
-  };
-  return Object.create(Object.prototype, { toJSON });
-})();
+class Exact {
+  toJSON() {
+    return withoutBigInt(this);
+  }
+}
+
+const EXACT = /* @__PURE__ */ new Exact();
 
 class MessageResult {
   #message;

@@ -47,7 +47,7 @@ canwright.createEdition = (tables) => {
     const given = every.filter(({ description }) => description.isConstant && description.fixed === null);
     const sums = every.filter(({ description }) => description.isChecksum);
 
-    function check(frame, fields, parameters) {
+    function checkAll(frame, fields, parameters) {
       for (const field of fields) {
         const wanted = field.type.integer(field.description.fixed ?? required(parameters, field.description.parameter, field.name));
         [rawIn(frame, field)].flat().forEach((raw) => checkConstant(raw, wanted, field.name));
@@ -58,12 +58,12 @@ canwright.createEdition = (tables) => {
       hasKeys: (frame) => keys.every((key) => has(frame, key)),
       nodeInData: node && ((frame) => Number(bits(frame, node))),
       check(frame) {
-        check(frame, fixed.filter(({ only: some }) => some === null));
+        checkAll(frame, fixed.filter(({ only: some }) => some === null));
         sums.forEach((field) => checkChecksum(rawIn(frame, field), computed(frame), field.name));
       },
       read(frame, id, parameters) {
         const fields = this.fields(parameters);
-        check(frame, [...fixed, ...given].filter((field) => field.exists(parameters[choice])), parameters);
+        checkAll(frame, [...fixed, ...given].filter((field) => field.exists(parameters[choice])), parameters);
         const raw = record(fields, (field) => rawIn(frame, field));
         const values = record(fields, ({ name, type, isArray }) => (isArray ? type.valueOfAll(raw[name], parameters) : type.value(raw[name], parameters)));
         return new MessageResult(this, id, parameters, frame, raw, values, keys[0]?.values.length > 1 ? Number(bits(frame, keys[0].segments)) : undefined);

@@ -4,11 +4,12 @@
 /** What frames can mean, without a page: all messages that fit, in the order of their probability. */
 canwright.meaning = (() => {
   const { own } = canwright;
-  const editions = canwright.editions.map(({ tables, texts, bindings, pages = {}, answered = {}, neighbours = [] }) => {
+  const editions = canwright.editions.map(({ tables, texts, bindings, pages = {}, neighbours = [] }) => {
     const codec = canwright.createEdition(tables);
     const messages = new Map(codec.MESSAGES.map((message) => [`${message.direction} ${message.command}`, message]));
-    for (const [command, reply] of Object.entries(answered)) {
-      messages.set(`reply ${command}`, messages.get(`reply ${reply}`));
+    const isFirst = ({ request }, i) => tables.answers.findIndex((plan) => plan.request === request) === i;
+    for (const { request, reply } of tables.answers.filter(isFirst)) {
+      messages.set(`reply ${codec.MESSAGES[request].command}`, codec.MESSAGES[reply]);
     }
     return { name: texts.edition, family: texts.family, codec, texts, bindings, pages, neighbours, messages };
   });

@@ -1512,7 +1512,6 @@ canwright.editions.push({
       },
     },
   },
-  answered: { broadcast_torque: "set_torque" },
   neighbours: [
     {
       first: 577,

@@ -51,15 +51,11 @@ def explorer(specifications: Sequence[EditionInput]) -> Iterator[Output]:
 
 def _parts(edition: Edition) -> Mapping[str, Value]:
     """The properties of an edition: its tables, its titles, and the names in other languages."""
-    answered = {
-        c.name: c.reply.command for c in edition.commands if c.request and c.reply and c.reply.command != c.name
-    }
     return {
         "tables": _ExplorerTables(edition).tables(),
         "texts": titles(edition),
         "bindings": bindings(edition),
         "pages": _pages(edition) or None,
-        "answered": answered or None,
         "neighbours": [_neighbour(neighbour) for neighbour in edition.bus.neighbours] or None,
     }
 
