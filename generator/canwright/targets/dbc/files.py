@@ -50,8 +50,8 @@ def reply_file(edition: Edition, assignment: Assignment) -> str | None:
 
 
 def signals_of_files(edition: Edition) -> Iterator[Signal]:
-    """The signals in all files of an edition; those of several files and nodes several times."""
-    return (s for file in _without_options(edition) for message in file.messages for s in message.signals)
+    """The signals in all files of an edition; those of several files several times."""
+    return _Files(edition, {}, NO_OPTIONS).signals()
 
 
 def stems(edition: Edition) -> Iterator[str]:
@@ -93,6 +93,12 @@ class _Files:
                 contents.setdefault(table, []).append(content)
             for table, of_table in contents.items():
                 yield from self._file(group, assignment, table, of_table)
+
+    def signals(self) -> Iterator[Signal]:
+        """The signals in the files, without the messages of each node."""
+        for assignment, group in itertools.product(self._assignments, self._groups):
+            for _, (_, signals) in self._contents(group, assignment):
+                yield from signals
 
     def merged(self, same: Sequence[File]) -> Sequence[File]:
         """The files of a table for all values of the parameters; a single one if their messages are the same."""
