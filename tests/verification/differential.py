@@ -1,10 +1,11 @@
 """Asks all targets random questions and compares their answers with those of the reference decoder and encoder.
 
-The targets are C and C++ (one program each, compiled with zig), Python, and the DBC files read by cantools. A frame must be accepted
-or rejected for the same reason, as the same message, with the same raw integers and values; raw integers and values
-must be encoded to the same bytes, or rejected for the same reason and the same field; a frame must answer a request, or
-not, alike. Frames are near those of each message: its id, length, codes, constants and limits with one part changed,
-data of random bits, and frames that are wholly random; parameters and nodes vary. Equal seeds give equal questions.
+The targets are C and C++ (one program each, compiled with zig), Python, JavaScript in Node, and the DBC files read by
+cantools. A frame must be accepted or rejected for the same reason, as the same message, with the same raw integers and
+values; raw integers and values must be encoded to the same bytes, or rejected for the same reason and the same field; a
+frame must answer a request, or not, alike. Frames are near those of each message: its id, length, codes, constants and
+limits with one part changed, data of random bits, and frames that are wholly random; parameters and nodes vary. Equal
+seeds give equal questions.
 
 Not covered: what a DBC cannot express, which is counted by name below each line; several wrong fields in one message,
 of which targets may report different ones. The documents are compared with golden frames only.
@@ -33,7 +34,7 @@ from ..conformance.adapters.reference import ReferenceAdapter
 from ..conformance.questions import Answer, Question, Questions, disagreement
 from ..spec_texts import ROOT, SPECS, called
 
-TARGETS = ("c", "cxx", "python", "dbc")
+TARGETS = ("c", "cxx", "python", "javascript", "dbc")
 QUESTIONS = 1_000_000
 SHOWN = 20
 """So many disagreements of a target are listed."""
