@@ -57,14 +57,11 @@ class _Part:
         self.arrivals = [arrival for run in runs for arrival in run]
         frames = [[arrival.recorded for arrival in run] for run in runs]
         self.readings = [reader.read(frames) for reader in readers]
-        self._answered = {at for readings in self.readings for at in readings.asked.values()}
         self.own = [at for at, arrival in enumerate(self.arrivals) if arrival.kind.node is node]
         """The positions of the frames of the node itself."""
         self.unexplained: Counter[Kind] = Counter()
         """Frames that no edition has."""
-        self.unanswered: set[int] = set()
-        """The positions of requests, in each edition that has them, that no node answers in any edition."""
-        self.points = [self._points(at) for at in self.own]
+        self.points = [[*self._points(at)] for at in self.own]
         """The points of each frame against each edition."""
 
     @property
@@ -72,17 +69,23 @@ class _Part:
         """The number of frames that some edition has."""
         return len(self.own) - self.unexplained.total()
 
-    def _points(self, at: int) -> Sequence[int]:
+    def _points(self, at: int) -> Iterator[int]:
         readings = [own.frames[at] for own in self.readings]
         having = [reading for reading in readings if not reading.is_rejected]
         if not having:
             self.unexplained[self.arrivals[at].kind] += 1
-        elif all(reading.is_request for reading in having):
-            if at not in self._answered:
-                self.unanswered.add(at)
-        else:
-            return [reading.points for reading in readings]
-        return [0] * len(readings)
+        counts = having and not all(reading.is_request for reading in having)
+        return (reading.points if counts else 0 for reading in readings)
+
+    def _tried(self) -> Sequence[int]:
+        """For each edition, the number of requests that only others have, and that no node answers in any."""
+        answered = {at for readings in self.readings for at in readings.asked.values()}
+        rejected = [0] * len(self.readings)
+        for at in self.own:
+            frames = [readings.frames[at] for readings in self.readings]
+            if at not in answered and {frame.is_request for frame in frames if not frame.is_rejected} == {True}:
+                rejected = [count + frame.is_rejected for count, frame in zip(rejected, frames, strict=True)]
+        return rejected
 
     def change(self) -> int | None:
         """The position of the first frame of another edition; None if the edition does not change."""
@@ -104,14 +107,16 @@ class _Part:
     def result(self, start: Place | None) -> NodeResult:
         """The result for the node."""
         explained = [self._explained(number) for number in range(len(self.editions))]
+        tried = self._tried()
         frames = Counter(self.arrivals[at].kind for at in self.own)
-        noise = len(self.own) - max(map(sum, explained))
+        noise = len(self.own) - max(map(sum, zip(explained, tried, strict=True)))
         rare = max(math.sqrt(len(self.own)) / 10, noise / 32)
         often = [frames[self.arrivals[at].kind] >= rare for at in self.own]
         scores = [
             EditionScore(
                 edition,
-                *explained[number],
+                explained[number],
+                tried[number],
                 sum(points[number] for points, counts in zip(self.points, often, strict=True) if counts),
                 self._evidence(number, rare),
                 *self._requests(readings),
@@ -141,15 +146,11 @@ class _Part:
             start=start,
         )
 
-    def _explained(self, number: int) -> tuple[int, int]:
-        """The number of frames that an edition explains, and of requests that it lacks and that no node answers."""
-        explained = tried = 0
-        for at, points in zip(self.own, self.points, strict=True):
-            frame = self.readings[number].frames[at]
-            is_against = frame.is_rejected or (frame.is_request and points[number])
-            explained += not is_against
-            tried += frame.is_rejected and at in self.unanswered
-        return explained, tried
+    def _explained(self, number: int) -> int:
+        """The number of frames that an edition explains."""
+        frames = (self.readings[number].frames[at] for at in self.own)
+        pairs = zip(frames, self.points, strict=True)
+        return sum(not (frame.is_rejected or (frame.is_request and points[number])) for frame, points in pairs)
 
     def _requests(self, readings: Readings) -> tuple[int, Counter[str]]:
         """The number of requests that have a reply in an edition, and the unanswered ones by command."""
