@@ -30,7 +30,7 @@ from canwright.targets.dbc.frames import Part
 from canwright.targets.dbc.names import signal_name, signals_of
 from canwright.targets.dbc.printer import printed
 from canwright.targets.dbc.selection import NODES
-from canwright.targets.dbc.view import EXTENDED, File, Message, Signal
+from canwright.targets.dbc.view import EXTENDED, File, Message, Signal, agree
 from canwright.targets.options import Options
 
 from ..spec_texts import SPECS, called
@@ -75,7 +75,7 @@ def cases_of(item: EditionInput, file: File) -> list[Case]:
     cases: list[Case] = []
     for frame in item.frames.frames if item.frames else ():
         view = views.get(frame.id | (EXTENDED if frame.extended else 0))
-        fits = frame.direction in file.directions and file.agrees(frame.parameters)
+        fits = frame.direction in file.directions and agree(file.assignment, frame.parameters)
         if view and fits and not frame.remote and not frame.decode_only and len(frame.data) == view.length:
             cases += _case(item.edition, frame, view, file)
     return cases

@@ -26,7 +26,7 @@ from ..targets.dbc.files import files
 from ..targets.dbc.frames import frames, obstacle
 from ..targets.dbc.limits import LIMITS
 from ..targets.dbc.printer import printed
-from ..targets.dbc.view import File
+from ..targets.dbc.view import File, agree
 from ..targets.options import NO_OPTIONS
 from .adapter import (
     Adapter,
@@ -191,8 +191,8 @@ class DbcAdapter(Adapter):
             self._made[variant] = files(self.edition, fixed, NO_OPTIONS)
         made = [file for file in self._made[variant] if direction in file.directions]
         choices = {p.name: value for p, value in given.items() if p.is_choice}
-        for plain in (file for file in made if not file.table and file.agrees(choices)):
-            tables = (file for file in made if file.table and file.agrees(plain.assignment))
+        for plain in (file for file in made if not file.table and agree(file.assignment, choices)):
+            tables = (file for file in made if file.table and agree(file.assignment, plain.assignment))
             yield [self._file(file) for file in (*tables, plain)]
 
     def _file(self, file: File) -> DbcFile:

@@ -18,7 +18,7 @@ from .names import message_endings, node_name
 from .selection import COMMENTS, NODES
 from .signals import Signals
 from .text import fitting
-from .view import KIND, File, Message, Signal, fitted, known_values
+from .view import KIND, File, Message, Signal, agree, file_name, fitted, known_values
 
 _OTHER = {Direction.REPLY: Direction.REQUEST, Direction.REQUEST: Direction.REPLY}
 _NO_NODE = "Vector__XXX"
@@ -39,19 +39,19 @@ def files(edition: Edition, set_parameters: Assignment, options: Options) -> Seq
 
 
 @functools.lru_cache(maxsize=4)
-def _without_options(edition: Edition) -> Sequence[File]:
-    return files(edition, {}, NO_OPTIONS)
+def _without_options(edition: Edition) -> _Files:
+    return _Files(edition, {}, NO_OPTIONS)
 
 
 def reply_file(edition: Edition, assignment: Assignment) -> str | None:
     """The name of the first file that decodes replies under some parameter values; None without replies."""
-    plain = (file for file in _without_options(edition) if Direction.REPLY in file.directions and not file.table)
-    return next((file.name for file in plain if file.agrees(assignment)), None)
+    of_replies = (each for each in _without_options(edition).combinations() if Direction.REPLY in each[1])
+    return next((file_name(edition, *each) for each in of_replies if agree(each[0], assignment)), None)
 
 
 def signals_of_files(edition: Edition) -> Iterator[Signal]:
     """The signals in all files of an edition; those of several files several times."""
-    return _Files(edition, {}, NO_OPTIONS).signals()
+    return _without_options(edition).signals()
 
 
 def stems(edition: Edition) -> Iterator[str]:
@@ -85,9 +85,13 @@ class _Files:
         self._groups = [(direction,) for direction in used] if self._shared else [used]
         self._tables = table_names(part for listed in every_frame.values() for frame in listed for part in frame.parts)
 
+    def combinations(self) -> Iterator[tuple[Assignment, tuple[Direction, ...]]]:
+        """The parameter values and the directions of the files of the first selector."""
+        return itertools.product(self._assignments, self._groups)
+
     def files(self) -> Iterator[File]:
         """A file for each direction, or one for both if they share no id, and one for each table of a direction."""
-        for assignment, group in itertools.product(self._assignments, self._groups):
+        for assignment, group in self.combinations():
             contents: dict[str, list[_Content]] = {}
             for table, content in self._contents(group, assignment):
                 contents.setdefault(table, []).append(content)
@@ -96,7 +100,7 @@ class _Files:
 
     def signals(self) -> Iterator[Signal]:
         """The signals in the files, without the messages of each node."""
-        for assignment, group in itertools.product(self._assignments, self._groups):
+        for assignment, group in self.combinations():
             for _, (_, signals) in self._contents(group, assignment):
                 yield from signals
 

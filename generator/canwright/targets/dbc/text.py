@@ -27,6 +27,7 @@ _ASCII = str.maketrans(
 _QUOTES = str.maketrans({'"': "'", "\\": "/"})
 
 
+@functools.lru_cache(maxsize=1 << 12)
 def number(value: Fraction) -> str:
     """A number without exponent: all digits of a finite decimal, otherwise those of the nearest double."""
     if value.denominator == 1:

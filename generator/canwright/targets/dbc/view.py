@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
@@ -109,6 +109,17 @@ def known_values(edition: Edition, assignment: Assignment) -> Iterator[str]:
         yield f"{name}_{written}" if edition.parameter(name).is_numeric else written
 
 
+def file_name(edition: Edition, assignment: Assignment, directions: Sequence[Direction], *words: str) -> str:
+    """The name of a file that describes these directions for these parameter values, with further words."""
+    kind = KIND[directions[0]] if len(directions) == 1 else ""
+    return "-".join(filter(None, (edition.family, edition.name, *known_values(edition, assignment), kind, *words)))
+
+
+def agree(known: Assignment, assignment: Assignment) -> bool:
+    """Whether the values of parameters are the same, as far as both are given."""
+    return all(assignment.get(name, value) == value for name, value in known.items())
+
+
 class File(NamedTuple):
     """One DBC file. `directions` are those it describes; it is valid for the parameter values of `assignment`.
 
@@ -129,8 +140,7 @@ class File(NamedTuple):
 
     @property
     def name(self) -> str:
-        words = (*self.known, self.kind, self.table, *self.variant)
-        return "-".join(filter(None, (self.edition.family, self.edition.name, *words)))
+        return file_name(self.edition, self.assignment, self.directions, self.table, *self.variant)
 
     @property
     def known(self) -> tuple[str, ...]:
@@ -141,7 +151,3 @@ class File(NamedTuple):
     def kind(self) -> str:
         """The direction in the name of the file; empty if it describes both."""
         return KIND[self.directions[0]] if len(self.directions) == 1 else ""
-
-    def agrees(self, assignment: Assignment) -> bool:
-        """Whether the file is valid for these parameter values, as far as they are given."""
-        return all(assignment.get(name, value) == value for name, value in self.assignment.items())
