@@ -32,6 +32,7 @@ LONGEST = {
     "test_compare.py",
     "test_quality.py",
     "test_fuzz.py",
+    "test_specs.py",
 }
 """These files come first: a worker that started one of them last would run on its own at the end."""
 
