@@ -1,4 +1,4 @@
-"""Speed and memory of the readers, `identify` and `decode`: `python -m tests.bench.recordings [LOG]`.
+"""Speed and memory of the readers, `identify`, `monitor` and `decode`: `python -m tests.bench.recordings [LOG]`.
 
 Without a log of `candump -l`, one of a million frames is made: 8 motors whose values change in each frame. The figures
 are process time and the peak memory of a new process each. Work on a log is compared with reading it, by canwright or by
@@ -19,6 +19,8 @@ from ..spec_texts import ROOT
 from .bars import Measure, report
 
 FRAMES = 1_000_000
+BUS_SECONDS = 125
+"""How long a bus of 1 Mbit/s takes for a million frames."""
 READ = """
 from canwright.recordings.readers import open_log
 with open_log(sys.argv[1]) as log:
@@ -54,6 +56,17 @@ with arrow.ParquetWriter(v2_35.decoder({"series": "MG", "encoder_bits": 18}), sy
     for frames in infer_directions(logs.Log(sys.argv[1]), edition):
         writer.add(frames)
 """
+MONITOR = """
+from canwright.project.loader import specification
+from canwright.recordings.directions import Directions
+from canwright.recordings.latest_values import LatestValues
+from canwright.recordings.readers import open_log
+from canwright.recordings.rows import RowReader
+edition = specification(Path(sys.argv[2]) / "mwd_motor/v2.35.yaml").edition
+values, rows = LatestValues(), RowReader(lambda *_: {"series": "MG", "encoder_bits": 18})
+with open_log(sys.argv[1]) as log:
+    for row in rows.rows(Directions({}, edition).classify(log)): values.add(row)
+"""
 MEASURED = """
 import json, resource, sys, time
 from pathlib import Path
@@ -83,6 +96,8 @@ def _measures(log: Path) -> Iterator[Measure]:
     yield Measure("identify, peak memory, MB", memory, at_most=100)
     python_can, columns = _run(PYTHON_CAN, log)[0], _run(COLUMNS, log)[0]
     yield Measure("identify, time relative to the reader of python-can", identifying / python_can, at_most=2)
+    monitoring = _run(MONITOR, log)[0] / millions / BUS_SECONDS
+    yield Measure("monitor of a bus of 1 Mbit/s with full load, share of a processor", monitoring, at_most=0.2)
     json_lines, tables = (_run(DECODE.replace("FORM", form), log)[0] for form in ("jsonl", "parquet"))
     yield Measure("decode as JSON lines, time relative to the reader of python-can", json_lines / python_can, at_most=3)
     yield Measure("decode as Parquet, time relative to the columns package", tables / columns, at_most=2)

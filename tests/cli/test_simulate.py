@@ -92,7 +92,7 @@ def test_nodes_turn_as_the_class_of_the_readme(tmp_path: Path) -> None:
     known = module.Parameters(series=module.Series.MG, encoder_bits=14)
 
     def host(bus: can.BusABC) -> None:
-        moves = module.MoveToAngleAtSpeedRequest(node=1, angle=90, max_speed=180)
+        moves = module.MoveToAngleAtSpeedRequest(node=1, angle=90, max_speed=10)
         for request in (moves, *[module.ReadMultiTurnAngleRequest(node=1)] * 2):
             time.sleep(0.1)
             bus.send(can.Message(arbitration_id=request.can_id, data=request.encode(), is_extended_id=False))

@@ -109,7 +109,7 @@ def test_a_client_moves_reads_and_writes(package: dict[str, ModuleType], buses: 
             return True
 
     simulation = package["simulation"].Simulation(buses[1], nodes, Motor, voltage=48, temperature=30)
-    with simulation, package["client"].Client(buses[0], nodes, allow="motion", timeout=1) as client:
+    with simulation, package["client"].Client(buses[0], nodes, allow="motion", timeout=10) as client:
         status = client.request(new.ReadStatus1Request(node=1))
         assert (status.voltage, status.temperature, status.motor_state) == (48, 30, new.MotorState.ON)
         assert client.request(nodes[0].make(new.SetTorqueRequest, iq=2.5)).iq == pytest.approx(2.5, abs=66 / 4096)
@@ -136,7 +136,7 @@ def test_a_broadcast_has_a_reply_of_each_node(package: dict[str, ModuleType], bu
     old, nodes = _nodes(package, "v2_35")
     with (
         package["simulation"].Simulation(buses[1], nodes, voltage=48),
-        package["client"].Client(buses[0], nodes, allow="motion", timeout=1) as client,
+        package["client"].Client(buses[0], nodes, allow="motion", timeout=10) as client,
     ):
         replies = client.gather(old.BroadcastTorqueRequest(iq=(1, 2, 3, 4)))
         assert [reply.node for reply in replies] == [1, 2, 3, 4]
@@ -315,7 +315,7 @@ def test_settings_are_stored_and_restored(package: dict[str, ModuleType], buses:
 
     for number in (1, 2):
         simulation[number].behaviour.command = note
-    with simulation, package["client"].Client(buses[0], nodes, timeout=1) as client:
+    with simulation, package["client"].Client(buses[0], nodes, timeout=10) as client:
         with pytest.raises(ValueError, match=r"node=None is none of this client; give one of \[1, 2, 3, 4\]"):
             client.dump()
         settings = json.loads(json.dumps(client.dump(1)))
@@ -352,7 +352,7 @@ def test_a_node_keeps_what_is_written_as_its_effects_say(package: dict[str, Modu
     new, nodes = _nodes(package, "v2_36_2025_03")
     simulation = package["simulation"].Simulation(buses[1], nodes, temperature=30)
     node, name = simulation[1], "stored_settings.max_speed"
-    with simulation, package["client"].Client(buses[0], nodes, timeout=1) as client:
+    with simulation, package["client"].Client(buses[0], nodes, timeout=10) as client:
         first = client.dump(1)
         assert len([*first]) > 20
         wanted = first | {name: 500, "control_parameters.max_speed": 400}

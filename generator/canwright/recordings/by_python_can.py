@@ -41,7 +41,8 @@ def read_bytes(form: str, source: BinaryIO, counts: Counts) -> Iterator[LogFrame
         except Exception as error:  # each reader has its own
             counts.skip(SkippedPart.TRUNCATED, 0, str(error) or type(error).__name__)
         if not is_whole:
-            gc.collect()  # objects that are left half made refer to themselves, and print when they are deleted
+            if form == "mf4":
+                gc.collect()  # asammdf's objects refer to themselves, and print when they are deleted half made
             return
     if form == "blf" and counted.size < size:
         counts.skip(SkippedPart.TRUNCATED, 0, f"{counted.size} of {size} bytes")
