@@ -17,6 +17,7 @@ from canwright.__main__ import OBJECTS_BETWEEN_COLLECTIONS
 from canwright.conformance.runner import Report
 from canwright.project import loader
 from canwright.targets.base import EditionInput
+from hypothesis import settings
 
 from .compilers import PROGRAMS
 from .conformance import summary
@@ -54,7 +55,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure() -> None:
     """Hides targets of other packages, collects garbage as the command line does, and loads each committed spec once
     in a process: its edition is frozen. A shell that runs the tests in the background ignores interrupts, and programs
-    that the tests start and interrupt would never end."""
+    that the tests start and interrupt would never end. Hypothesis has the same examples in each run, and no time limit."""
+    settings.register_profile("same", deadline=None, derandomize=True)
+    settings.load_profile("same")
     hide()
     signal.signal(signal.SIGINT, signal.default_int_handler)
     gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)

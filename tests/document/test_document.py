@@ -7,7 +7,7 @@ import pytest
 from canwright.diagnostics.diagnostic import Diagnostic, SpecError
 from canwright.document.document import MAX_BYTES, parse_document, read_document
 from canwright.document.toml import TomlDocument
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from ..spec_texts import places
 
@@ -107,6 +107,7 @@ def test_a_finding_shows_the_line_and_a_caret() -> None:
 
 
 @given(st.text())
+@settings(deadline=None, derandomize=True)  # also without conftest.py
 def test_every_text_is_a_document_or_has_findings(text: str) -> None:
     try:
         parse_document("x.yaml", text)

@@ -81,7 +81,7 @@ def logs(draw: st.DrawFn) -> list[LogFrame]:
 
 
 @given(logs(), st.integers(1, 30))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_unlikely_logs(log: list[LogFrame], size: int) -> None:
     assert directions(MOTOR, log, size) == one_by_one(MOTOR, log)
 

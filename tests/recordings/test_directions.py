@@ -331,7 +331,7 @@ def facts(frame: DirectedFrame, numbers: Sequence[int]) -> tuple[object, ...]:
 
 
 @given(logs())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_each_frame_once_in_order_and_each_bus_on_its_own(log: list[LogFrame]) -> None:
     judged = judge(MOTOR, log)
     assert [frame.recorded for frame in judged] == log
@@ -347,7 +347,7 @@ def test_each_frame_once_in_order_and_each_bus_on_its_own(log: list[LogFrame]) -
 
 
 @given(logs())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_reply_answers_an_earlier_request_of_its_bus(log: list[LogFrame]) -> None:
     judged = judge(MOTOR, log)
     for frame in judged:
@@ -359,7 +359,7 @@ def test_a_reply_answers_an_earlier_request_of_its_bus(log: list[LogFrame]) -> N
 
 
 @given(logs())
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_parts_have_the_results_of_the_whole_log(log: list[LogFrame]) -> None:
     """Also of a log in which some frames have a time."""
     log = [frame._replace(bus="a") for frame in log]

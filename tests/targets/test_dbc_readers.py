@@ -148,7 +148,7 @@ def raw_integers(field: Field, assignment: Assignment) -> st.SearchStrategy[int]
 
 
 @pytest.mark.parametrize(("spec", "message"), list(every_message()))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_every_message_crosses_cantools(spec: Path, message: Message, data: st.DataObject) -> None:
     edition = described_once(spec)

@@ -51,7 +51,7 @@ def converted(number: Number, value: Real) -> int | None:
         return None
 
 
-@settings(max_examples=2000, deadline=None)
+@settings(max_examples=2000)
 @given(st.data(), numbers())
 def test_a_value_becomes_the_nearest_raw_integer(data: st.DataObject, case: tuple[Number, Fraction, Fraction]) -> None:
     number, scale, offset = case
@@ -67,7 +67,7 @@ def test_a_value_becomes_the_nearest_raw_integer(data: st.DataObject, case: tupl
         assert converted(number, value) == (wanted if number.low <= wanted <= number.high else None)
 
 
-@settings(max_examples=1000, deadline=None)
+@settings(max_examples=1000)
 @given(st.data(), numbers())
 def test_a_raw_integer_becomes_the_nearest_float(data: st.DataObject, case: tuple[Number, Fraction, Fraction]) -> None:
     number, scale, offset = case
@@ -75,7 +75,7 @@ def test_a_raw_integer_becomes_the_nearest_float(data: st.DataObject, case: tupl
     assert number.value(raw, None, "it") == float(raw * scale + offset)
 
 
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=500)
 @given(raw=st.integers(0, (1 << 60) - 1), numerator=st.integers(1, 1 << 60), bits=st.integers(0, 60))
 @example(raw=0xFFFF, numerator=(1 << 38) + 1, bits=3)
 @example(raw=0xFFFF, numerator=(1 << 55) + 1, bits=3)
@@ -110,7 +110,7 @@ def test_what_is_not_finite_or_too_large_is_refused(number: Number) -> None:
             number.raw(wrong, None, "it")  # type: ignore[arg-type]
 
 
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=500)
 @given(st.data(), st.sampled_from([32, 64]), st.sampled_from([(1, 1, 0), (1, 10, 0), (-3, 7, Fraction(1, 3))]))
 def test_a_float_is_scaled_by_one_operation_a_step(
     data: st.DataObject, width: int, scale: tuple[int, int, Fraction | int]
@@ -152,7 +152,7 @@ def test_the_reference_converts_in_the_same_way(width: int, scale: str, offset: 
     ours = Number(*field.type.raw_limits, scale=(line.scale.numerator, line.scale.denominator, line.offset))
     encoder = Encoder({})
 
-    @settings(max_examples=300, deadline=None)
+    @settings(max_examples=300)
     @given(st.integers(*field.type.raw_limits), st.sampled_from([0, 0.25, 0.5, -0.5]))
     def same(raw: int, part: float) -> None:
         exact = (raw + Fraction(part)) * line.scale + line.offset
@@ -171,7 +171,7 @@ def test_an_exact_number_is_rounded_once(tmp_path: Path) -> None:
     (field,) = message.layout.fields
     ours, encoder = Float(32, scale=(1, 2, -40)), Encoder({})
 
-    @settings(max_examples=200, deadline=None)
+    @settings(max_examples=200)
     @given(
         st.fractions() | st.integers(-(1 << 70), 1 << 70),
         st.sampled_from([Fraction(0), Fraction(1, 1 << 24), Fraction(1, 1 << 150)]),

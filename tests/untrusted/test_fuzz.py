@@ -33,9 +33,7 @@ MAIN = ROOT / "spec/mwd_motor/v2.35.yaml"
 
 
 def bounded(examples: int) -> settings:
-    """So many examples, always the same."""
-    quiet = [HealthCheck.function_scoped_fixture]
-    return settings(max_examples=examples, deadline=None, derandomize=True, suppress_health_check=quiet)
+    return settings(max_examples=examples, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 ODD: tuple[Data, ...] = (
