@@ -585,7 +585,7 @@ class Edition {
   #routes;
   #ofCommand = { request: new Map(), reply: new Map() };
   #explained;
-  #names = []; // of the parameters of the last call, with their values, and what `#known` made of them
+  #names = []; // of the parameters of the last call, with their values, and what `checkParameters` made of them
   #values = [];
   #lastKnown = NOTHING;
 
@@ -616,7 +616,7 @@ class Edition {
 
   decodeAs = (direction, command, given, parameters) => {
     const frame = checkedFrame(given);
-    const [message, known] = [this.#message(direction, command), this.#known(parameters)];
+    const [message, known] = [this.#message(direction, command), this.checkParameters(parameters)];
     const wrong = message.difference(frame, known);
     if (wrong) {
       throw wrong;
@@ -625,12 +625,12 @@ class Edition {
   };
 
   decodeAnswer = (request, given, parameters) => {
-    const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+    const [frame, known] = [checkedFrame(given), this.checkParameters(parameters)];
     return this.#answer(request.frame, frame, known).decode(frame, known);
   };
 
   checkReply = (request, reply, parameters) => {
-    this.#answer(request, checkedFrame(reply), this.#known(parameters));
+    this.#answer(request, checkedFrame(reply), this.checkParameters(parameters));
   };
 
   join = (replies, field, last) => {
@@ -648,7 +648,7 @@ class Edition {
   };
 
   candidates = (given, parameters) => {
-    const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+    const [frame, known] = [checkedFrame(given), this.checkParameters(parameters)];
     const explained = this.#explained.filter((message) => !message.difference(frame, known));
     const found = [this.#identify("reply", frame, known), ...explained, this.#identify("request", frame, known)];
     const candidates = new Set(found.filter((message) => message instanceof Definition));
@@ -656,19 +656,19 @@ class Edition {
   };
 
   rawOf = (direction, command, name, value, parameters) => {
-    const known = this.#known(parameters);
+    const known = this.checkParameters(parameters);
     return this.#field(direction, command, name, known).given(value, known, true);
   };
 
   allows = (direction, command, name, raw, parameters) => {
-    const known = this.#known(parameters);
+    const known = this.checkParameters(parameters);
     return this.#field(direction, command, name, known).allows(raw, known);
   };
 
   encodeRequest = (command, given) => this.#encode("request", command, given);
   encodeReply = (command, given) => this.#encode("reply", command, given);
 
-  #known(parameters = NOTHING) {
+  checkParameters(parameters = NOTHING) {
     const names = Object.keys(parameters);
     const isSame = (name, i) => name === this.#names[i] && parameters[name] === this.#values[i];
     if (names.length !== this.#names.length || !names.every(isSame)) {
@@ -709,7 +709,7 @@ class Edition {
 
   #decoder(direction) {
     return (given, parameters) => {
-      const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+      const [frame, known] = [checkedFrame(given), this.checkParameters(parameters)];
       const message = this.#identify(direction, frame, known);
       if (message instanceof CodecError) {
         throw message;
@@ -727,7 +727,7 @@ class Edition {
   }
 
   #encode(direction, command, content = NOTHING) {
-    const [message, known] = [this.#message(direction, command), this.#known(content.parameters)];
+    const [message, known] = [this.#message(direction, command), this.checkParameters(content.parameters)];
     return message.decode(message.write(new Given(message, content, known), known), known);
   }
 

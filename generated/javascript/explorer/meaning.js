@@ -46,9 +46,12 @@ canwright.meaning = (() => {
 
   function isValid({ codec }, name, value) {
     try {
-      codec.candidates({ id: 0 }, { [name]: value }); // checks parameters
-    } catch {
-      return false;
+      codec.checkParameters({ [name]: value });
+    } catch (error) {
+      if (error instanceof RangeError) {
+        return false;
+      }
+      throw error;
     }
     const { values, whole } = codec.PARAMETERS[name];
     return values !== undefined || whole === true || canwright.rational(value)[0] > 0n;

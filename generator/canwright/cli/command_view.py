@@ -199,9 +199,9 @@ def _meaning(field: Field, content: Content | None, among: tuple[str, ...]) -> t
         return "counter", f"{field.counter.first}..{field.counter.last}"
     if content is None:
         return _values(field.type, among)
-    if content.label == "checksum":
+    if content.kind == "checksum":
         return f"checksum: {content.written}", ""
-    return "reserved, sent as" if content.label == "sent_so" else content.label, str(content.written)
+    return "reserved, sent as" if content.kind == "reserved" else content.kind, str(content.written)
 
 
 def _values(type_: Type, among: tuple[str, ...]) -> tuple[str, str]:

@@ -34,8 +34,8 @@ class Content(NamedTuple):
     """What a field that users do not give contains: a raw integer, the value of a parameter, or a checksum."""
 
     written: int | str
-    label: Literal["constant", "checksum", "sent_so"]
-    """Whether receivers require a constant or a checksum, or ignore what is sent."""
+    kind: Literal["constant", "checksum", "reserved"]
+    """Receivers require a constant or a checksum, and ignore what is reserved."""
 
 
 def contents(message: Message) -> Mapping[Field, Content]:
@@ -46,7 +46,7 @@ def contents(message: Message) -> Mapping[Field, Content]:
         match step:
             case WriteFixed():
                 if step.field:
-                    stated[step.field] = Content(step.raw, "sent_so")
+                    stated[step.field] = Content(step.raw, "reserved")
             case CheckConstant():
                 stated[step.field] = Content(step.raw, "constant")
             case CheckParameter():

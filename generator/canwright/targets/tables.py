@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
 from typing import ClassVar, TypeVar
 
 from ..model.edition import Edition
@@ -76,14 +77,24 @@ class EditionTables(Positions, ABC):
     def tables(self) -> dict[str, Value]:
         """All tables that do not depend on a language."""
         return {
-            "types": [self.type(type_) for type_ in self.types],
-            "layouts": [self.layout(layout) for layout in self.layouts],
+            "types": self.type_tables,
+            "layouts": self.layout_tables,
             "messages": [self.message(message) for message in self.messages],
             "answers": [self.answer(plan) for plans in exchange_plans(self.edition).values() for plan in plans],
             "explained": [self.messages[message] for message in only_by_request(self.edition)],
             "requests": list(self._routes(Direction.REQUEST)),
             "replies": list(self._routes(Direction.REPLY)),
         }
+
+    @cached_property
+    def type_tables(self) -> list[Value]:
+        """The types in the order of their positions."""
+        return [self.type(type_) for type_ in self.types]
+
+    @cached_property
+    def layout_tables(self) -> list[Value]:
+        """The layouts in the order of their positions."""
+        return [self.layout(layout) for layout in self.layouts]
 
     def type(self, type_: Type) -> dict[str, Value]:
         """A type; without `linear`, its values are the raw integers or their names."""

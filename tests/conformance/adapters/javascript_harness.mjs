@@ -26,13 +26,22 @@ function decoded(message) {
   return { command: message.command, node: message.node, code: message.code, raw: { ...message.raw }, fields: message.fields.map((field) => ({ ...field })) };
 }
 
+/** The message of a frame that an encoder has written; a rejection of that frame is an error, not a refusal to encode. */
+function decodedAgain(decode) {
+  try {
+    return decode();
+  } catch (error) {
+    throw new Error("an encoder has written a frame that is rejected", { cause: error });
+  }
+}
+
 const tasks = {
   decode: ({ direction, frame, parameters }) =>
     decoded(edition[direction === "request" ? "decodeRequest" : "decodeReply"](frame, parameters)),
   decodeAs: ({ direction, command, frame, parameters }) => decoded(edition.decodeAs(direction, command, frame, parameters)),
   encode: ({ direction, command, content }) => {
     const message = edition[direction === "request" ? "encodeRequest" : "encodeReply"](command, content);
-    const again = edition.decodeAs(direction, command, message.frame, content.parameters);
+    const again = decodedAgain(() => edition.decodeAs(direction, command, message.frame, content.parameters));
     if (!isDeepStrictEqual(again, message)) {
       throw new Error(`${JSON.stringify(message, replace)} is decoded as ${JSON.stringify(again, replace)}`);
     }

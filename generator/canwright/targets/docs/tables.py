@@ -31,6 +31,7 @@ from .links import command_link, field_anchor
 Labels = Mapping[str, str]
 _FORM_LABELS = {EchoReply: "echo", OwnReply: "own", SharedReply: "layout", OtherReply: "other"}
 _KEY_LABELS = {KeyRole.CODE: "selector", KeyRole.INDEX: "selector_of_entry", KeyRole.CONSTANT: "constant"}
+_CONTENT_LABELS = {"constant": "constant", "reserved": "sent_so"}
 MAX_MEMBERS = 8
 """Most members or commands shown in a row; the page of types has all members with their titles."""
 
@@ -136,7 +137,7 @@ def _computed(field: Field, content: Content | None, labels: Labels) -> str:
     """How the sender computes a counter or a checksum; empty for another field."""
     if field.counter:
         return f"{labels['stop']}{labels['counter'].format(first=field.counter.first, last=field.counter.last)}"
-    if content and content.label == "checksum":
+    if content and content.kind == "checksum":
         return f"{labels['stop']}{labels['checksum']} {code(str(content.written))}"
     return ""
 
@@ -182,10 +183,10 @@ def _numbers(
     if content is None:
         among = values_of(field.type.linear.parameter or "", layout, field, command)
         return scale(field.type, labels, among), raw_range(field.type), value_range(field.type, among)
-    if content.label == "checksum":
+    if content.kind == "checksum":
         return "", "", ""
     written = content.written if isinstance(content.written, str) else formatting.constant(content.written)
-    return "", code(written), labels[content.label]
+    return "", code(written), labels[_CONTENT_LABELS[content.kind]]
 
 
 def cases(pairs: Sequence[tuple[str, str]]) -> str:

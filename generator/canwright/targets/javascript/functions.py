@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import TypeVar
 
-from ...model.edition import Edition
 from ...model.exhaustive import assert_never
 from ...model.layout import Field, Segment, Space
 from ...model.message import BitRun, Direction, Message
@@ -141,8 +140,8 @@ class Functions:
     `checksums` are the definitions of checksums, each with the constant that computes it.
     """
 
-    def __init__(self, edition: Edition) -> None:
-        self._types = Positions(edition).types
+    def __init__(self, tables: Positions) -> None:
+        self._types = tables.types
         self.checksums: dict[str, str] = {}
 
     def check(self, message: Message) -> Lines:

@@ -12,7 +12,7 @@ from ...semantics.plan import only_by_request
 from ...templating.environment import environment
 from ..tables import id_rule
 from . import functions, text
-from .tables import JavaScriptTables, parameter_table
+from .tables import tables_of
 
 HELPERS = (
     "Definition, EXACT, Edition, MessageResult, checkChecksum, checkConstant, checksum, layoutsOf, required, typesOf, "
@@ -23,7 +23,7 @@ HELPERS = (
 
 def _functions(edition: Edition) -> str:
     """The statements that declare the constant `edition`, which has all functions."""
-    tables, within = JavaScriptTables(edition), edition.bus.reply_within_ms
+    tables, within = tables_of(edition), edition.bus.reply_within_ms
     filters: dict[str, Callable[..., object]] = {
         "quoted": text.quoted,
         "printed": text.printed,
@@ -32,8 +32,6 @@ def _functions(edition: Edition) -> str:
         "read_in": functions.read_in,
         "route_statements": functions.route,
         "rule_table": lambda route: id_rule(route.rule, route.remote, route.mask),
-        "type_table": tables.type,
-        "layout_table": tables.layout,
     }
     requests, replies = (dispatch_plan(edition, direction).routes for direction in Direction)
     return (
@@ -42,10 +40,9 @@ def _functions(edition: Edition) -> str:
         .render(
             edition=edition,
             tables=tables,
-            printer=functions.Functions(edition),
+            printer=functions.Functions(tables),
             explained=only_by_request(edition),
             reply_within=text.NULL if within is None else text.double(within),
-            parameters={parameter.name: parameter_table(parameter) for parameter in edition.parameters},
             answers=[plan for plans in exchange_plans(edition).values() for plan in plans],
             directions=[("requests", Direction.REQUEST, requests), ("replies", Direction.REPLY, replies)],
         )

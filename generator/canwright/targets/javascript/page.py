@@ -9,18 +9,16 @@ from pathlib import Path
 from ...diagnostics.unicode_safety import visible
 from ...model import formatting
 from ...model.edition import Edition
-from ...model.message import Message
 from ...model.metadata import Neighbour
 from ...templating.data_files import template_texts
 from ...templating.environment import environment
 from ..base import CodeNames, EditionInput, ItemNames, Output, header
 from ..nested_source import Value
 from ..registry import own_targets
-from ..tables import Positions
 from . import text
 from .module import HELPERS
 from .package import RUNTIME
-from .tables import JavaScriptTables, parameter_table
+from .tables import tables_of
 from .titles import titles
 
 FOLDER = "explorer"
@@ -52,29 +50,12 @@ def explorer(specifications: Sequence[EditionInput]) -> Iterator[Output]:
 def _parts(edition: Edition) -> Mapping[str, Value]:
     """The properties of an edition: its tables, its titles, and the names in other languages."""
     return {
-        "tables": _ExplorerTables(edition).tables(),
+        "tables": tables_of(edition).tables(),
         "texts": titles(edition),
         "bindings": bindings(edition),
         "pages": _pages(edition) or None,
         "neighbours": [_neighbour(neighbour) for neighbour in edition.bus.neighbours] or None,
     }
-
-
-class _ExplorerTables(JavaScriptTables):
-    """The tables that the page interprets."""
-
-    def tables(self) -> dict[str, Value]:
-        parameters = {parameter.name: parameter_table(parameter) for parameter in self.edition.parameters}
-        return {"parameters": parameters, **super().tables()}
-
-    def message(self, message: Message) -> dict[str, Value]:
-        """A message with what its functions check; `confusions` are what a frame that is encoded must not be."""
-        confusions: list[Value] = [
-            {"command": confusion.command, "conditions": [self.condition(*each) for each in confusion.conditions]}
-            for confusion in message.confusions
-        ]
-        only: Value = {name: list(values) for name, values in message.only.items()} or None
-        return {**super().message(message), **self.checked(message), "only": only, "confusions": confusions or None}
 
 
 def _neighbour(neighbour: Neighbour) -> Value:
@@ -104,7 +85,7 @@ def bindings(edition: Edition) -> Mapping[str, Value]:
 
 
 def _names(edition: Edition, names: CodeNames) -> Value:
-    numbers = Positions(edition).types
+    numbers = tables_of(edition).types
     messages: dict[str, Value] = {}
     for message, name in names.messages.items():
         needs_parameters = message in names.needs_parameters

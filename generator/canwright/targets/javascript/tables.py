@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cached_property, lru_cache
+
+from ...model.edition import Edition
 from ...model.layout import Field
 from ...model.message import Message
 from ...model.types import Bound, Linear, Parameter, Type
@@ -37,8 +40,26 @@ class JavaScriptTables(EditionTables):
         counter = [field.counter.first, field.counter.last] if field.counter else None
         return {**super().field(field), "checksum": True if field.checksum else None, "counter": counter}
 
+    @cached_property
+    def parameters(self) -> Table:
+        """The parameters by name."""
+        return {parameter.name: _parameter(parameter) for parameter in self.edition.parameters}
+
+    def tables(self) -> dict[str, Value]:
+        """The tables that the page of the explorer interprets."""
+        return {"parameters": self.parameters, **super().tables()}
+
     def message(self, message: Message) -> dict[str, Value]:
-        """What a message is; its functions decide the rest."""
+        """A message with all that is checked; `confusions` are what a frame that is encoded must not be."""
+        confusions: list[Value] = [
+            {"command": confusion.command, "conditions": [self.condition(*each) for each in confusion.conditions]}
+            for confusion in message.confusions
+        ]
+        only: Value = {name: list(values) for name, values in message.only.items()} or None
+        return {**self.about(message), **self.checked(message), "only": only, "confusions": confusions or None}
+
+    def about(self, message: Message) -> dict[str, Value]:
+        """What a message is; its functions in a module decide the rest."""
         sending, sequence = message.sending, message.sequence
         table = super().message(message)
         if sequence is not None:
@@ -61,7 +82,13 @@ class JavaScriptTables(EditionTables):
         }
 
 
-def parameter_table(parameter: Parameter) -> Table:
+@lru_cache(maxsize=64)
+def tables_of(edition: Edition) -> JavaScriptTables:
+    """The tables of an edition; cached, because its module and the page of the explorer print them."""
+    return JavaScriptTables(edition)
+
+
+def _parameter(parameter: Parameter) -> Table:
     """The values of a choice, or the limits of a number."""
     if parameter.is_choice:
         return {"values": [value.name for value in parameter.values]}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 from ...model import formatting
 from ...model.edition import Edition
@@ -12,11 +13,13 @@ from ...model.metadata import Effect
 from ...model.types import Member, Parameter, Text, Type
 from ..nested_source import Value
 from ..tables import Positions
+from .tables import tables_of
 
 
+@lru_cache(maxsize=64)
 def titles(edition: Edition) -> Mapping[str, Value]:
-    """Titles by the names and positions that the tables have; what has none is left out."""
-    tables = Positions(edition)
+    """Titles by the names and positions that the tables have; what has none is left out. Cached as `tables_of` is."""
+    tables = tables_of(edition)
     return {
         "family": edition.family,
         "edition": edition.name,

@@ -53,7 +53,7 @@ export class Edition {
   #routes;
   #ofCommand = { request: new Map(), reply: new Map() };
   #explained;
-  #names = []; // of the parameters of the last call, with their values, and what `#known` made of them
+  #names = []; // of the parameters of the last call, with their values, and what `checkParameters` made of them
   #values = [];
   #lastKnown = NOTHING;
 
@@ -84,7 +84,7 @@ export class Edition {
 
   decodeAs = (direction, command, given, parameters) => {
     const frame = checkedFrame(given);
-    const [message, known] = [this.#message(direction, command), this.#known(parameters)];
+    const [message, known] = [this.#message(direction, command), this.checkParameters(parameters)];
     const wrong = message.difference(frame, known);
     if (wrong) {
       throw wrong;
@@ -93,12 +93,12 @@ export class Edition {
   };
 
   decodeAnswer = (request, given, parameters) => {
-    const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+    const [frame, known] = [checkedFrame(given), this.checkParameters(parameters)];
     return this.#answer(request.frame, frame, known).decode(frame, known);
   };
 
   checkReply = (request, reply, parameters) => {
-    this.#answer(request, checkedFrame(reply), this.#known(parameters));
+    this.#answer(request, checkedFrame(reply), this.checkParameters(parameters));
   };
 
   /** The values of a field of a reply of several frames, in the order of their numbers; those of arrays in one array. */
@@ -117,7 +117,7 @@ export class Edition {
   };
 
   candidates = (given, parameters) => {
-    const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+    const [frame, known] = [checkedFrame(given), this.checkParameters(parameters)];
     const explained = this.#explained.filter((message) => !message.difference(frame, known));
     const found = [this.#identify("reply", frame, known), ...explained, this.#identify("request", frame, known)];
     const candidates = new Set(found.filter((message) => message instanceof Definition));
@@ -125,13 +125,13 @@ export class Edition {
   };
 
   rawOf = (direction, command, name, value, parameters) => {
-    const known = this.#known(parameters);
+    const known = this.checkParameters(parameters);
     return this.#field(direction, command, name, known).given(value, known, true);
   };
 
   /** Whether a sender can send a raw integer of a field; for tools. */
   allows = (direction, command, name, raw, parameters) => {
-    const known = this.#known(parameters);
+    const known = this.checkParameters(parameters);
     return this.#field(direction, command, name, known).allows(raw, known);
   };
 
@@ -139,7 +139,7 @@ export class Edition {
   encodeReply = (command, given) => this.#encode("reply", command, given);
 
   /** Parameters as the functions of messages need them; the same object for equal ones. Throws TypeError for an unknown one, RangeError for a value that it cannot have. */
-  #known(parameters = NOTHING) {
+  checkParameters(parameters = NOTHING) {
     const names = Object.keys(parameters);
     const isSame = (name, i) => name === this.#names[i] && parameters[name] === this.#values[i];
     if (names.length !== this.#names.length || !names.every(isSame)) {
@@ -182,7 +182,7 @@ export class Edition {
   /** The function that decodes frames of one direction. It throws errors itself: each call between takes time. */
   #decoder(direction) {
     return (given, parameters) => {
-      const [frame, known] = [checkedFrame(given), this.#known(parameters)];
+      const [frame, known] = [checkedFrame(given), this.checkParameters(parameters)];
       const message = this.#identify(direction, frame, known);
       if (message instanceof CodecError) {
         throw message;
@@ -200,7 +200,7 @@ export class Edition {
   }
 
   #encode(direction, command, content = NOTHING) {
-    const [message, known] = [this.#message(direction, command), this.#known(content.parameters)];
+    const [message, known] = [this.#message(direction, command), this.checkParameters(content.parameters)];
     return message.decode(message.write(new Given(message, content, known), known), known);
   }
 
