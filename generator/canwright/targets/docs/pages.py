@@ -154,7 +154,7 @@ class Pages:
     def formats_of(self, address: Address) -> str:
         """The kinds of frames on an address: width of the id and number of data bytes."""
         messages = [message for message in self._common.edition.all_messages() if message.address == address.name]
-        lengths = formatting.numbers(sorted({0 if message.remote else message.dlc for message in messages}))
+        lengths = formatting.numbers(sorted({message.length for message in messages}))
         width = 29 if address.request.extended else 11
         return self._labels["frame_formats"].format(width, lengths) if messages else ""
 
