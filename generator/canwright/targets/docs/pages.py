@@ -13,8 +13,9 @@ from ...model.types import ImpliedTitle
 from ...templating.markup import code, markdown
 from . import tables
 from .common import Common, Drawn, Form, Side, Worked, sources
+from .editions import Book
 from .links import COMMANDS, entry_anchor, pages_of
-from .tables import Labels, Row
+from .tables import Row
 
 
 class Half(NamedTuple):
@@ -42,11 +43,9 @@ _KINDS = {Level.DANGER: "CAUTION", Level.WARNING: "WARNING", Level.NOTE: "NOTE"}
 class Pages:
     """Builds the variables of the templates of an edition."""
 
-    def __init__(self, common: Common, labels: Labels, language: str) -> None:
-        self._common = common
-        self._labels = labels
-        self._language = language
-        self._sources = sources(common.golden, language) if common.golden else {}
+    def __init__(self, common: Common, book: Book) -> None:
+        self._common, self._labels, self._language = common, book.labels, book.language
+        self._sources = sources(common.golden, book.language) if common.golden else {}
         self._field_rows: dict[tuple[object, ...], Sequence[Row]] = {}
 
     def halves(self, form: Form) -> Sequence[Half]:
