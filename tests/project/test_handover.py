@@ -60,7 +60,7 @@ def test_ids_are_those_on_the_bus(spec: str, direction: str, command: str, id_: 
     edition = specification(ROOT / f"tests/specs/{spec}/v1.yaml").edition
     rows = [
         row
-        for row in matrix.rows(edition, "en", LABELS["en"])
+        for row in matrix.rows(matrix.Shown(edition, "en", LABELS["en"]))
         if (row.direction, row.command) == (LABELS["en"][direction], command)
     ]
     assert {row.id for row in rows} == {id_}
@@ -137,7 +137,8 @@ def _cells(spec: Path, language: str) -> list[dict[str, str]]:
     """The matrix, read back from CSV; columns by the names of the model."""
     item = specification(spec)
     text = spreadsheets.csv_text(
-        list(matrix.rows(item.edition, language, LABELS[language])), {name: name for name in matrix.Row._fields}
+        list(matrix.rows(matrix.Shown(item.edition, language, LABELS[language]))),
+        {name: name for name in matrix.Row._fields},
     )
     return list(csv.DictReader(io.StringIO(text.decode("utf-8-sig"))))
 
@@ -320,7 +321,7 @@ def test_a_field_without_a_range_has_the_physical_range_of_its_raw_format() -> N
 @pytest.mark.parametrize("spec", SPECS_OF_ALL, ids=called)
 def test_excel_has_the_rows_of_the_matrix(spec: Path, tmp_path: Path) -> None:
     """Below the title and the headings; integers that Excel would round are texts."""
-    listed = list(matrix.rows(specification(spec).edition, "en", LABELS["en"]))
+    listed = list(matrix.rows(matrix.Shown(specification(spec).edition, "en", LABELS["en"])))
     listed.append(listed[0]._replace(raw_minimum=Fraction(1 - 10**15), raw_maximum=Fraction(2**63 - 1)))
     sheet = spreadsheets.Sheet("sheet", list(matrix.Row._fields), listed)
     (tmp_path / "matrix.xlsx").write_bytes(spreadsheets.excel([sheet], "title"))
@@ -381,7 +382,7 @@ def test_texts_of_a_spec_are_escaped(tmp_path: Path) -> None:
     text = (tmp_path / "out/lamp-v1-en.html").read_text("utf-8")
     assert text.count("<script") == 1
     assert text.count("</style>") == 1
-    rows = list(matrix.rows(item.edition, "en", LABELS["en"]))
+    rows = list(matrix.rows(matrix.Shown(item.edition, "en", LABELS["en"])))
     assert "'=HYPERLINK" in spreadsheets.csv_text(rows, LABELS["en"]).decode("utf-8-sig")
     with zipfile.ZipFile(tmp_path / "out/lamp-v1-en.xlsx") as book:
         assert not any(b"<f>" in book.read(name) for name in book.namelist())

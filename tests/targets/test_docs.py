@@ -21,6 +21,8 @@ from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.semantics.decoder import Decoded, Decoder
 from canwright.semantics.frame import CanFrame
+from canwright.targets.docs.common import Common
+from canwright.targets.docs.guides import telling_frames
 from canwright.targets.docs.target import DocsTarget
 from canwright.templating.data_files import read_data
 from canwright.templating.markup import markdown
@@ -384,6 +386,12 @@ def test_a_frame_of_one_edition_is_no_frame_of_another_one() -> None:
         }
         assert {decoder for decoder, _ in decoding} == {name}
         assert (name, Direction.REPLY) in decoding
+
+
+def test_frames_of_one_edition_do_not_depend_on_other_families() -> None:
+    specs = [ROOT / "tests/specs/pump/v1.yaml", SPEC, SPEC.with_name("v2.36-2025-03.yaml")]
+    listed = [(item.edition.name, Common(item.edition, item.frames)) for item in map(specification, specs)]
+    assert {frame.folder for frame in telling_frames(listed)} == {"v2.35", "v2.36-2025-03"}
 
 
 def test_questions_are_texts_in_each_language() -> None:

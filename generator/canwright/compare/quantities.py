@@ -106,8 +106,7 @@ def _offsets_of(linear: ByParameter[Linear]) -> ByParameter[Linear]:
     def offset(line: Linear | None) -> Linear | None:
         return line and Linear(Fraction(1), line.offset, line.times if line.offset else None)
 
-    cases = {name: offset(line) for name, line in linear.cases.items()}
-    return ByParameter(parameter=linear.parameter, constant=offset(linear.constant), cases=cases)
+    return linear.map(offset)
 
 
 def _offset_shown(linear: Linear, type_: Type) -> str:

@@ -164,6 +164,11 @@ class Message:
     path: DocumentPath
 
     @property
+    def length(self) -> int:
+        """The number of data bytes of a frame; a remote frame has none."""
+        return 0 if self.remote else self.dlc
+
+    @property
     def node_in_data(self) -> BitRun | None:
         """The bits of the field that identifies the node; None if the id does, or if a field has its low bits only.
 

@@ -6,7 +6,7 @@ Every number is an int or a Fraction; nothing here is a float.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
@@ -19,6 +19,8 @@ from .deprecation import Deprecation
 from .joined import Joined
 
 T = TypeVar("T")
+S = TypeVar("S")
+R = TypeVar("R")
 
 Text = Mapping[str, str]
 """One text in every language of the edition, by language code."""
@@ -158,6 +160,25 @@ class ByParameter(Generic[T]):
         if self.parameter is None:
             return self.constant
         return self.cases.get(str(assignment.get(self.parameter, "")))
+
+    @property
+    def named(self) -> Sequence[tuple[str, T | None]]:
+        """Each value of the parameter with the value under it; the constant with an empty name."""
+        return [("", self.constant)] if self.parameter is None else list(self.cases.items())
+
+    def map(self, made: Callable[[T | None], R | None]) -> ByParameter[R]:
+        """What is made of each value."""
+        if self.parameter is None:
+            return ByParameter.always(made(self.constant))
+        cases = {name: made(value) for name, value in self.cases.items()}
+        return ByParameter(parameter=self.parameter, constant=None, cases=cases)
+
+    def combined(self, other: ByParameter[S], made: Callable[[T | None, S | None], R | None]) -> ByParameter[R]:
+        """What is made of this value and of another one, which is constant or depends on the same parameter."""
+        if self.parameter is None:
+            return other.map(lambda value: made(self.constant, value))
+        cases = {name: made(value, other.at({self.parameter: name})) for name, value in self.cases.items()}
+        return ByParameter(parameter=self.parameter, constant=None, cases=cases)
 
     def distinct(self) -> Sequence[tuple[tuple[str, ...], T | None]]:
         """The different values, each with the parameter values under which it applies, in spec order."""

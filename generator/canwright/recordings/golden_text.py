@@ -93,7 +93,7 @@ def skeleton_text(edition: Edition, message: Message, assignment: Assignment, so
             f"{message.direction.value}: {_text(message.command)}",
             *([f"node: {node}"] if node is not None else []),
             *([f"id: {BLANK}"] if sent_id(message, node) is None else []),
-            f'data: "{" ".join([BLANK] * (0 if message.remote else message.dlc))}"',
+            f'data: "{" ".join([BLANK] * message.length)}"',
             *_facts(edition, message, assignment, rest, {name: values[name] for name in own if name not in rest}),
             f"source: {_text(source)}",
         ]

@@ -160,13 +160,7 @@ class _TypeResolver:
                 "use one parameter for both",
             )
             offset = ByParameter.always(_number(0))
-        by = scale.parameter or offset.parameter
-        if by is None:
-            return ByParameter.always(self._line(scale.constant, offset.constant))
-        names = scale.cases if scale.parameter else offset.cases
-        return ByParameter(
-            parameter=by, constant=None, cases={n: self._line(scale.at({by: n}), offset.at({by: n})) for n in names}
-        )
+        return scale.combined(offset, self._line)
 
     def _line(self, scale: Multiple | None, offset: Multiple | None) -> Linear | None:
         """Scale and offset as one conversion; None if one is unknown or invalid, or if they are incompatible."""
@@ -246,19 +240,11 @@ class _TypeResolver:
                 "use one parameter for both",
             )
             return raw
-        by = linear.parameter or span.parameter
-        names = linear.cases if linear.parameter else span.cases
-        cases = {n: (span.at({by or "": n}), linear.at({by or "": n})) for n in names or [""]}
-        if not all(self._is_like_scale(limits, line) for limits, line in cases.values()):
+        if not all(is_like_scale for _, is_like_scale in linear.combined(span, self._is_like_scale).named):
             return raw
-        raw_cases = {name: _raw_of(*pair) for name, pair in cases.items()}
-        return (
-            ByParameter.always(raw_cases[""])
-            if by is None
-            else ByParameter(parameter=by, constant=None, cases=raw_cases)
-        )
+        return linear.combined(span, _raw_of)
 
-    def _is_like_scale(self, limits: Range | None, line: Linear | None) -> bool:
+    def _is_like_scale(self, line: Linear | None, limits: Range | None) -> bool:
         """Whether a range is a multiple of the same parameter as the scale; reports it if not."""
         if limits is None or line is None or line.times is None:
             return True
@@ -314,7 +300,7 @@ def _number(value: int) -> Multiple:
     return Multiple(Fraction(value), None, "")
 
 
-def _raw_of(span: Range | None, linear: Linear | None) -> Range | None:
+def _raw_of(linear: Linear | None, span: Range | None) -> Range | None:
     """The raw integers of a range of values."""
     if span is None or linear is None or linear.scale == 0:
         return None

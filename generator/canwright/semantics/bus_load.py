@@ -47,4 +47,4 @@ def frame_bits(extended: bool, data_bytes: int, *, is_fd: bool = False) -> Frame
 
 def message_bits(message: Message, frame_format: FrameFormat) -> FrameBits:
     """The length of the frames of a message."""
-    return frame_bits(message.id.extended, 0 if message.remote else message.dlc, is_fd=frame_format.is_fd)
+    return frame_bits(message.id.extended, message.length, is_fd=frame_format.is_fd)

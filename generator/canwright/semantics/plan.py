@@ -216,11 +216,6 @@ class MessagePlan:
     encoding: tuple[EncodingStep, ...]
 
     @property
-    def length(self) -> int:
-        """The number of data bytes of a frame; a remote frame has none."""
-        return 0 if self.message.remote else self.message.dlc
-
-    @property
     def codes(self) -> tuple[int, ...]:
         """The codes that a frame can have, first the one that is sent unless another is given; empty if there is no choice."""
         values = self.keys[0].values if self.keys else ()

@@ -78,11 +78,7 @@ def valid_raws(type_: Type) -> ByParameter[ValidRaws]:
         return ByParameter.always(NamedRaws(tuple(sorted(member.value for member in type_.enum))))
     if type_.flags:
         return ByParameter.always(FlagBits(sum(1 << flag.value for flag in type_.flags)))
-    by = type_.raw_range
-    if by.parameter is None:
-        return ByParameter.always(_within(type_, by.constant))
-    cases = {name: _within(type_, span) for name, span in by.cases.items()}
-    return ByParameter(parameter=by.parameter, constant=None, cases=cases)
+    return type_.raw_range.map(lambda span: _within(type_, span))
 
 
 def width_limits(type_: Type) -> ValidRaws:

@@ -1,4 +1,4 @@
-"""What pages, the tables of hand-over and `canwright show` state of the steps of a message."""
+"""What pages, the tables of hand-over, comments in DBC files and `canwright show` state of the steps of a message."""
 
 from __future__ import annotations
 

@@ -14,18 +14,7 @@ from typing import ClassVar, TypeVar
 from ..model.edition import Edition
 from ..model.exhaustive import assert_never
 from ..model.joined import JoinedDigits, JoinedText
-from ..model.layout import (
-    ChecksumRole,
-    ConstantRole,
-    Field,
-    GivenRole,
-    Layout,
-    ParameterRole,
-    ReservedRole,
-    Role,
-    Segment,
-    Space,
-)
+from ..model.layout import Field, Layout, Segment, Space
 from ..model.message import BitRun, Direction, IdRule, Message
 from ..model.types import ByParameter, Linear, Type
 from ..semantics import dispatch
@@ -40,6 +29,7 @@ from ..semantics.plan import (
     message_plan,
     only_by_request,
 )
+from .field_contents import Content, contents
 from .nested_source import Table, Value
 
 ID = -1
@@ -118,12 +108,13 @@ class EditionTables(Positions, ABC):
         cases: Table = {name: self.unknown if case is None else value(case) for name, case in of.cases.items()}
         return {"by": of.parameter, "cases": cases}
 
-    def field(self, field: Field) -> dict[str, Value]:
+    def field(self, field: Field, content: Content | None) -> dict[str, Value]:
         """A field, `hidden` if messages do not have it as a value.
 
         `fixed` is the raw integer that is always sent, which a receiver checks in a `constant`. A constant without it has
-        the value of `parameter`.
+        the value of `parameter`. A message states how a checksum is computed.
         """
+        written = content.written if content and content.kind != "checksum" else None
         return {
             "name": field.name,
             "type": self.types[field.type],
@@ -131,21 +122,10 @@ class EditionTables(Positions, ABC):
             "indices": [element.index or 0 for element in field.elements] if field.is_array else None,
             "only": list(field.only) or None,
             "hidden": None if field.is_given else True,
-            **self._role(field.role, field.type.width),
+            "fixed": self.integer(written, field.type.width) if isinstance(written, int) else None,
+            "constant": True if content and content.kind == "constant" else None,
+            "parameter": written if isinstance(written, str) else None,
         }
-
-    def _role(self, role: Role, width: int) -> dict[str, Value]:
-        match role:
-            case ConstantRole():
-                return {"fixed": self.integer(role.raw, width), "constant": True}
-            case ReservedRole():
-                return {"fixed": self.integer(role.raw, width)}
-            case ParameterRole():
-                return {"constant": True, "parameter": role.parameter}
-            case ChecksumRole() | GivenRole():
-                return {}  # a message states how a checksum is computed
-            case _:
-                assert_never(role)
 
     def message(self, message: Message) -> dict[str, Value]:
         return {
@@ -184,10 +164,11 @@ class EditionTables(Positions, ABC):
 
     def layout(self, layout: Layout) -> Table:
         """A layout; `values` are those of the parameter that decides on its fields."""
+        content = contents(self.edition.of_layout(layout)[0])
         return {
             "parameter": layout.parameter,
             "values": [value for variant in layout.variants for value in variant.values] or None,
-            "fields": [self.field(field) for field in layout.fields],
+            "fields": [self.field(field, content.get(field)) for field in layout.fields],
         }
 
     def condition(self, run: BitRun, values: Iterable[int]) -> Table:

@@ -123,8 +123,7 @@ def _limits(names: Names, type_: Type, kind: Integer) -> Iterator[MacroView]:
     if type_.encoding is Encoding.FLOAT:
         return
     by = type_.raw_range
-    cases = by.cases.items() if by.parameter else [("", by.constant)]
-    for case, limits in cases:
+    for case, limits in by.named:
         ends = (("RAW_MIN", "Lowest", limits.low), ("RAW_MAX", "Highest", limits.high)) if limits else ()
         under = f" ({by.parameter} {case})" if case else ""
         for ending, word, bound in ends:

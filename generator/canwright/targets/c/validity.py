@@ -178,15 +178,10 @@ def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Alternatives:
 
 def _unscaled(type_: Type) -> ByParameter[ValidRaws]:
     """The valid floats with ranges without the scale; those of the spec apply to the scaled value."""
-    valid, linear = valid_raws(type_), type_.linear
-    if linear.parameter is None and valid.parameter is None:
-        return ByParameter.always(_floats(valid.constant, linear.constant))
-    cases = {name: {linear.parameter or valid.parameter or "": name} for name in linear.cases or valid.cases}
-    unscaled = {name: _floats(valid.at(known), linear.at(known)) for name, known in cases.items()}
-    return ByParameter(parameter=linear.parameter or valid.parameter, constant=None, cases=unscaled)
+    return type_.linear.combined(valid_raws(type_), _floats)
 
 
-def _floats(raws: ValidRaws | None, linear: Linear | None) -> FiniteFloats:
+def _floats(linear: Linear | None, raws: ValidRaws | None) -> ValidRaws:
     limits = raws.scaled if isinstance(raws, FiniteFloats) else None
     if limits is None or linear is None:
         return FiniteFloats(None)

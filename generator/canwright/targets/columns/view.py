@@ -155,8 +155,7 @@ def arguments(type_: Type) -> Sequence[str]:
     if type_.is_plain or not type_.is_number:
         scale = "scale=PLAIN"
     else:
-        cases = linear.cases.items() if linear.parameter else [("", linear.constant)]
-        scale = "scale={" + ", ".join(f"{literal(name)}: {_scale(case)}" for name, case in cases) + "}"
+        scale = "scale={" + ", ".join(f"{literal(name)}: {_scale(case)}" for name, case in linear.named) + "}"
     listed = [scale]
     if type_.unit:
         listed.append(f"unit={literal(type_.unit.symbol)}")

@@ -7,25 +7,13 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from ...model import formatting
-from ...model.exhaustive import assert_never
-from ...model.layout import (
-    ChecksumRole,
-    ConstantRole,
-    CounterRole,
-    Element,
-    Field,
-    GivenRole,
-    ParameterRole,
-    ReservedRole,
-    Role,
-    Space,
-    bits_of,
-)
+from ...model.layout import Element, Field, Space, bits_of
 from ...model.message import Command, Direction, Key
 from ...model.metadata import Effect, Level
 from ...model.types import IDENTITY, Assignment, Bound, Encoding, Linear, Order, Range, Type
 from ...semantics.plan import message_plan
 from ...semantics.valid_raws import FiniteFloats, NamedRaws, RawInterval, ValidRaws, valid_raws, width_limits
+from ..field_contents import Content, contents
 from .comments import Comments
 from .frames import Part, is_shown_by
 from .names import LETTER, RAW_UNIT, SignalBits, adjacent, reserved_name, signal_name, signals_of
@@ -169,7 +157,7 @@ class Signals:
             step,
             comments.in_manual(field.manual_name),
             *about,
-            *self._of_role(field.role),
+            *self._content(field, contents(part.message).get(field)),
         ]
         sent = message_plan(part.message).sent.get(field)
         signal = Signal(signal_name(part, field, element), mux, element.bits, type_.order, "", numbers)
@@ -190,23 +178,12 @@ class Signals:
             values = tuple(sorted((*members, *named)))
             yield signal._replace(comment=comments.sentences(sentences), values=values)
 
-    def _of_role(self, role: Role) -> Iterator[str]:
+    def _content(self, field: Field, content: Content | None) -> Iterator[str]:
         """The sentence about what is sent in a field, if its type does not state it."""
-        match role:
-            case CounterRole():
-                yield self._comments.fixed("counter", first=role.first, last=role.last)
-            case ReservedRole():
-                yield self._comments.fixed("sent_as", raw=role.raw)
-            case ConstantRole():
-                yield self._comments.fixed("always", raw=role.raw)
-            case ParameterRole():
-                yield self._comments.fixed("always", raw=role.parameter)
-            case ChecksumRole():
-                yield self._comments.fixed("checksum", checksum=formatting.checksum(role))
-            case GivenRole():
-                pass
-            case _:
-                assert_never(role)
+        if field.counter:
+            yield self._comments.fixed("counter", first=field.counter.first, last=field.counter.last)
+        if content:
+            yield self._comments.fixed(f"content_{content.kind}", content=content.written)
 
     def _parts(
         self, whole: Signal, sentences: Sequence[str], runs: Sequence[SignalBits], of: Type, sent: int | None

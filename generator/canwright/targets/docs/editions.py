@@ -14,12 +14,23 @@ from ...model.edition import Edition
 from ...model.message import Command, Direction, KeyRole
 from ...templating.markup import code, markdown, spaced
 from .links import COMMANDS, command_page
-from .tables import code_of, index as index_of
+from .tables import Labels, code_of, index as index_of
 
 Wording = Mapping[Literal["sentences", "words", "witnesses", "reasons"], Mapping[str, str]]
 """Sentences of changes by rule, words inserted into them, and sentences about witnesses, in one language."""
 ENGLISH: Wording = {"sentences": {}, "words": {}, "witnesses": {}, "reasons": REASONS}
 """The sentences of the comparison, unchanged."""
+
+
+class Book(NamedTuple):
+    """The documents in one language; `listed` are its editions with their folders, oldest first."""
+
+    language: str
+    labels: Labels
+    wording: Wording
+    listed: Sequence[tuple[str, Edition]]
+    view: Mapping[str, object]
+    """Variables of every template."""
 
 
 class ChangeLine(NamedTuple):
@@ -110,18 +121,16 @@ PLACES = {"section-changed", "erratum-moved"}
 """Changes of where a manual states something, which each page of the edition has; there are dozens when sections get other numbers."""
 
 
-def changes(
-    old: Edition, differences: Sequence[Change], language: str, labels: Mapping[str, str], wording: Wording
-) -> Changes:
-    """The page of changes since `old` from the changes `differences`, with the `wording` of the language."""
+def changes(old: Edition, differences: Sequence[Change], book: Book) -> Changes:
+    """The page of changes since `old` from the changes `differences`."""
 
     def line(change: Change) -> ChangeLine:
-        return _change_line(change, language, labels, wording)
+        return _change_line(change, book)
 
     def is_document(change: Change) -> bool:
         return change.rule.category is Category.DOC
 
-    texts = [c for c in differences if is_document(c) and c.is_in(language) and c.rule.id not in PLACES]
+    texts = [c for c in differences if is_document(c) and c.is_in(book.language) and c.rule.id not in PLACES]
     sections = (
         (impact, tuple(dict.fromkeys(line(c) for c in differences if c.impact is impact and not is_document(c))))
         for impact in Impact
@@ -133,8 +142,9 @@ def changes(
     )
 
 
-def _change_line(change: Change, language: str, labels: Mapping[str, str], wording: Wording) -> ChangeLine:
-    sentence = change.says(language, wording["sentences"].get(change.rule.id), wording["words"], markdown)
+def _change_line(change: Change, book: Book) -> ChangeLine:
+    labels, wording = book.labels, book.wording
+    sentence = change.says(book.language, wording["sentences"].get(change.rule.id), wording["words"], markdown)
     host = labels["listed"].join(
         labels[f"host_{side.value}"] + (f": {labels[f'verdict_{impact.value}']}" if change.differs_by_side else "")
         for side, impact in change.verdicts.items()
@@ -142,7 +152,7 @@ def _change_line(change: Change, language: str, labels: Mapping[str, str], wordi
     return ChangeLine(
         f"{labels[f'item_{change.item.kind}']} {code(change.item.name)}".rstrip(),
         spaced(sentence),
-        spaced(_frames(change, language, wording)),
+        spaced(_frames(change, book)),
         labels[f"kind_{change.rule.category.value}"],
         host,
     )
@@ -182,56 +192,42 @@ MAX_CHANGES = 8
 """Most changes that are shown on the page of a command."""
 
 
-def changed(
-    old: Edition, changes: Sequence[Change], language: str, labels: Mapping[str, str], wording: Wording
-) -> Changed:
+def changed(old: Edition, changes: Sequence[Change], book: Book) -> Changed:
     """The `changes` of a command since `old`, those with the worst impact first."""
     lines = []
     for change in sorted(changes, key=lambda c: list(Impact).index(c.impact)):
-        line = _change_line(change, language, labels, wording)
-        verdict = labels[f"verdict_{change.impact.value}"]
-        lines.append(f"**{verdict}** {line.what}{labels['colon']}{line.change}")
+        line = _change_line(change, book)
+        verdict = book.labels[f"verdict_{change.impact.value}"]
+        lines.append(f"**{verdict}** {line.what}{book.labels['colon']}{line.change}")
     distinct = tuple(dict.fromkeys(lines))
     return Changed(old, distinct[:MAX_CHANGES], len(distinct[MAX_CHANGES:]))
 
 
-def _frames(change: Change, language: str, wording: Wording) -> str:
+def _frames(change: Change, book: Book) -> str:
     """The witnesses of a change, one for each side, or why it has none."""
-    reason = reason_without_witness(change)
+    wording, reason = book.wording, reason_without_witness(change)
     if reason:
         return wording["reasons"][reason]
     return "<br>".join(
         (f"[{witness.condition}] " if witness.assignment else "")
-        + witness.says(language, wording["witnesses"].get(witness.sentence), wording["words"], markdown)
+        + witness.says(book.language, wording["witnesses"].get(witness.sentence), wording["words"], markdown)
         for witness in examples(change)
     )
 
 
-def support(
-    editions: Sequence[tuple[str, Edition]],
-    labels: Mapping[str, str],
-    language: str,
-    changed: Mapping[Edition, Set[str]],
-) -> Iterator[Support]:
-    """A table for each family that has several editions. `editions` come with their folders.
+def support(book: Book, changed: Mapping[Edition, Set[str]]) -> Iterator[Support]:
+    """A table for each family that has several editions.
 
     `changed` are the names in the spec of the commands that differ from the previous edition.
     """
-    for family in dict.fromkeys(edition.family for _, edition in editions):
-        folders = {edition.name: folder for folder, edition in editions if edition.family == family}
-        own = in_order(edition for _, edition in editions if edition.family == family)
+    for family in dict.fromkeys(edition.family for _, edition in book.listed):
+        own = tuple((folder, edition) for folder, edition in book.listed if edition.family == family)
         if len(own) > 1:
-            listed = tuple((folders[edition.name], edition) for edition in own)
-            yield Support(
-                family, listed, _commands(listed, labels, language, changed), _entries(listed, labels, language)
-            )
+            yield Support(family, own, _commands(own, book, changed), _entries(own, book.language))
 
 
 def _commands(
-    editions: Sequence[tuple[str, Edition]],
-    labels: Mapping[str, str],
-    language: str,
-    changed: Mapping[Edition, Set[str]],
+    editions: Sequence[tuple[str, Edition]], book: Book, changed: Mapping[Edition, Set[str]]
 ) -> tuple[SupportLine, ...]:
     rows: dict[tuple[bool, int, str], list[str]] = {}
     titles: dict[str, str] = {}
@@ -240,23 +236,21 @@ def _commands(
             key = (command.code is None, command.code or 0, command.spec_name)
             cells = rows.setdefault(key, ["—"] * len(editions))
             if cells[at] == "—":
-                cells[at] = _cell(folder, command, labels)
+                cells[at] = _cell(folder, command, book.labels)
                 if command.spec_name in changed.get(edition, ()):
-                    cells[at] += f" {labels['changed_mark']}"
-                titles.setdefault(command.spec_name, command.spec_title[language])
+                    cells[at] += f" {book.labels['changed_mark']}"
+                titles.setdefault(command.spec_name, command.spec_title[book.language])
     return tuple((f"{code(name)}<br>{markdown(titles[name])}", cells) for (_, _, name), cells in sorted(rows.items()))
 
 
-def _cell(folder: str, command: Command, labels: Mapping[str, str]) -> str:
+def _cell(folder: str, command: Command, labels: Labels) -> str:
     text = f"[{code_of(command)}]({folder}/{COMMANDS}{command.spec_name}.md)"
     only = formatting.condition(command.only)
     text += f" {code(only)}" if only else ""
     return text if command.implemented else f"{text} {labels['unimplemented']}"
 
 
-def _entries(
-    editions: Sequence[tuple[str, Edition]], labels: Mapping[str, str], language: str
-) -> tuple[SupportLine, ...]:
+def _entries(editions: Sequence[tuple[str, Edition]], language: str) -> tuple[SupportLine, ...]:
     rows: dict[tuple[str, tuple[int, ...], str], list[str]] = {}
     titles: dict[tuple[str, str], str] = {}
     for at, (folder, edition) in enumerate(editions):

@@ -59,15 +59,16 @@ class Telling(NamedTuple):
 def telling_frames(listed: Sequence[tuple[str, Common]]) -> Iterator[Telling]:
     """For each edition the first shown reply that no other edition of its family decodes, also not as a request."""
     for folder, common in listed:
-        decoders = [Decoder(member.edition) for _, member in listed if member.edition.family == common.edition.family]
-        decoders = [decoder for decoder, (_, member) in zip(decoders, listed, strict=False) if member is not common]
+        edition = common.edition
+        of_family = [member.edition for _, member in listed if member.edition.family == edition.family]
+        decoders = [Decoder(member) for member in of_family if member is not edition]
         for sheet in common.sheets if decoders else ():
             frames = [x.golden for form in sheet.forms for d, side in form.sides if side for x in side.examples]
             own = [f for f in frames if f.direction is Direction.REPLY]
             telling = next((f for f in own if all(_is_rejected(decoder, f) for decoder in decoders)), None)
             if telling:
                 yield Telling(
-                    common.edition,
+                    edition,
                     folder,
                     code(formatting.sent(telling)),
                     f"[{markdown(sheet.name)}]({folder}/{COMMANDS}{sheet.name}.md)",
@@ -92,10 +93,7 @@ class Length(NamedTuple):
 def lengths(editions: Sequence[Edition]) -> Sequence[Length]:
     """The lengths of the frames of some editions."""
     messages = [(message, edition.bus.frame_format) for edition in editions for message in edition.all_messages()]
-    distinct = {
-        Length(m.id.extended, form.is_fd, 0 if m.remote else m.dlc, *message_bits(m, form)) for m, form in messages
-    }
-    return sorted(distinct)
+    return sorted({Length(m.id.extended, form.is_fd, m.length, *message_bits(m, form)) for m, form in messages})
 
 
 def load_data(listed: Sequence[tuple[str, Edition]], language: str) -> str:

@@ -11,30 +11,30 @@ from ...model.message import Command, Table
 from ...model.metadata import Effect
 from ...templating.markup import code, markdown
 from . import tables
+from .editions import Book
 from .links import COMMANDS, command_page
-from .tables import Labels
 
 Entries = tuple[Table, Sequence[str], Sequence[Sequence[str]]]
 """A table with the heads and the rows of its entries, in Markdown; empty columns are omitted."""
 
 
-def overview(edition: Edition, labels: Labels, language: str) -> Mapping[str, Any]:
+def overview(edition: Edition, book: Book) -> Mapping[str, Any]:
     """Variables of the template."""
     groups = edition.groups
     return {
-        "lines": [_line(edition, forms, labels, language) for forms in groups.values()],
-        "entries": [entries for t in edition.tables if (entries := _entries(t, groups, labels, language))[2]],
+        "lines": [_line(edition, forms, book) for forms in groups.values()],
+        "entries": [entries for t in edition.tables if (entries := _entries(t, groups, book))[2]],
     }
 
 
-def _line(edition: Edition, forms: Sequence[Command], labels: Labels, language: str) -> Sequence[str]:
+def _line(edition: Edition, forms: Sequence[Command], book: Book) -> Sequence[str]:
     """The row of a command, in Markdown: code, name, reply, nodes that have it, effects; all its forms have one page."""
     first = forms[0]
-    replies = {tables.reply_form(edition, form, labels, COMMANDS) for form in forms}
+    replies = {tables.reply_form(edition, form, book.labels, COMMANDS) for form in forms}
     return (
         "<br>".join(dict.fromkeys(code(tables.code_of(form)) for form in forms if form.code is not None)),
-        f"[{markdown(first.spec_name)}]({COMMANDS}{first.spec_name}.md)<br>{markdown(first.spec_title[language])}",
-        replies.pop() if len(replies) == 1 else labels["of_entry"],
+        f"[{markdown(first.spec_name)}]({COMMANDS}{first.spec_name}.md)<br>{markdown(first.spec_title[book.language])}",
+        replies.pop() if len(replies) == 1 else book.labels["of_entry"],
         code(formatting.condition(first.only)) if all(form.only == first.only for form in forms) else "",
         _effects(_common(forms)),
     )
@@ -49,7 +49,8 @@ def _effects(effects: Sequence[Effect]) -> str:
     return ", ".join(code(effect.name) for effect in effects)
 
 
-def _entries(table: Table, groups: Mapping[str, Sequence[Command]], labels: Labels, language: str) -> Entries:
+def _entries(table: Table, groups: Mapping[str, Sequence[Command]], book: Book) -> Entries:
+    labels = book.labels
     using = {n: forms for n, forms in groups.items() if forms[0].entry and forms[0].entry.table == table.name}
     entries: dict[str, dict[str, Command]] = {}
     for n, forms in using.items():
@@ -66,7 +67,7 @@ def _entries(table: Table, groups: Mapping[str, Sequence[Command]], labels: Labe
             (
                 code(tables.index(first.request or first.reply)),
                 code(name),
-                markdown(first.entry.title[language]) if first.entry else "",
+                markdown(first.entry.title[book.language]) if first.entry else "",
                 *(_link(of_entry[n]) if n in of_entry else "" for n in using),
                 code(formatting.condition(first.only)),
                 _effects(list(more.values())),

@@ -13,8 +13,9 @@ from ...model.types import ImpliedTitle
 from ...templating.markup import code, markdown
 from . import tables
 from .common import Common, Drawn, Form, Side, Worked, sources
+from .editions import Book
 from .links import COMMANDS, entry_anchor, pages_of
-from .tables import Labels, Row
+from .tables import Row
 
 
 class Half(NamedTuple):
@@ -42,11 +43,9 @@ _KINDS = {Level.DANGER: "CAUTION", Level.WARNING: "WARNING", Level.NOTE: "NOTE"}
 class Pages:
     """Builds the variables of the templates of an edition."""
 
-    def __init__(self, common: Common, labels: Labels, language: str) -> None:
-        self._common = common
-        self._labels = labels
-        self._language = language
-        self._sources = sources(common.golden, language) if common.golden else {}
+    def __init__(self, common: Common, book: Book) -> None:
+        self._common, self._labels, self._language = common, book.labels, book.language
+        self._sources = sources(common.golden, book.language) if common.golden else {}
         self._field_rows: dict[tuple[object, ...], Sequence[Row]] = {}
 
     def halves(self, form: Form) -> Sequence[Half]:
@@ -154,7 +153,7 @@ class Pages:
     def formats_of(self, address: Address) -> str:
         """The kinds of frames on an address: width of the id and number of data bytes."""
         messages = [message for message in self._common.edition.all_messages() if message.address == address.name]
-        lengths = formatting.numbers(sorted({0 if message.remote else message.dlc for message in messages}))
+        lengths = formatting.numbers(sorted({message.length for message in messages}))
         width = 29 if address.request.extended else 11
         return self._labels["frame_formats"].format(width, lengths) if messages else ""
 

@@ -20,7 +20,7 @@ from ...model.message import (
     OwnReply,
     SharedReply,
 )
-from ...model.types import Assignment, Encoding, Member, Text, Type
+from ...model.types import Encoding, Linear, Member, Range, Text, Type
 from ...semantics.frame import sent_id_rule
 from ...semantics.plan import message_plan
 from ...templating.markup import code, markdown
@@ -216,18 +216,14 @@ def value_range(type_: Type, among: tuple[str, ...] = ()) -> str:
     unit = f" {type_.unit.symbol}" if type_.unit else ""
     if type_.encoding is Encoding.FLOAT:
         return cases([(names, limits + unit) for names, limits in formatting.ranges(type_)])
-    linear, limits = type_.linear, type_.raw_range
-    by = linear.parameter or limits.parameter
-    pairs: list[tuple[str, Assignment]] = [("", {})]
-    if by is not None:
-        names = linear.cases if linear.parameter else limits.cases
-        pairs = [(name, {by: name}) for name in names if not among or name in among]
-    ranges = []
-    for name, assignment in pairs:
-        span, scale_ = limits.at(assignment), linear.at(assignment)
-        if span is not None and scale_ is not None and type_.is_number:
-            ranges.append((name, formatting.span(formatting.in_unit(span, scale_)) + unit))
-    return cases(ranges)
+
+    def shown(linear: Linear | None, limits: Range | None) -> str:
+        if linear is None or limits is None or not type_.is_number:
+            return ""
+        return formatting.span(formatting.in_unit(limits, linear)) + unit
+
+    ranges = type_.linear.combined(type_.raw_range, shown).named
+    return cases([(name, text) for name, text in ranges if text and (not name or not among or name in among)])
 
 
 def facts(message: Message, labels: Labels) -> Iterator[tuple[str, str]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import jinja2
 
@@ -19,6 +18,7 @@ from ..base import EditionInput, Output, Target, header
 from ..options import NO_OPTIONS, Options
 from . import editions, guides, tables
 from .common import Common
+from .editions import Book
 from .links import COMMANDS, PICTURES, command_page, entry_anchor
 from .overview import overview
 from .pages import Pages
@@ -26,7 +26,6 @@ from .probes import probes
 from .questions import PAGE as QUESTIONS, questions
 from .site_data import FILE, site_data
 from .steps import first_steps
-from .tables import Labels
 
 _RUNTIME = Path(__file__).parent / "runtime"
 _PAGES = ("types", "parameters", "errata", "bus", "states")
@@ -35,17 +34,6 @@ _GUIDES = (
     *("own-protocol", "new-edition", "compare-editions", "api", "assurance"),
 )
 """Pages that are not about a single edition, with one template for each language."""
-
-
-class _Book(NamedTuple):
-    """The documents in one language; `listed` are its editions with their folders, oldest first."""
-
-    language: str
-    labels: Labels
-    wording: editions.Wording
-    listed: Sequence[tuple[str, Edition]]
-    view: Mapping[str, object]
-    """Variables of every template."""
 
 
 class DocsTarget(Target):
@@ -109,17 +97,17 @@ def labels_of(editions: Sequence[Edition]) -> Mapping[Edition, str]:
     return {e: e.name if len(families) == 1 else f"{e.family} {e.name}" for e in editions}
 
 
-def _books(specifications: Sequence[EditionInput], folders: Mapping[Edition, str]) -> Iterator[_Book]:
+def _books(specifications: Sequence[EditionInput], folders: Mapping[Edition, str]) -> Iterator[Book]:
     wordings: Mapping[str, editions.Wording] = template_texts("docs/changes.yaml")
     for language, labels in template_texts("docs/labels.yaml").items():
         here = editions.in_order(d.edition for d in specifications if language in d.edition.languages)
         if here:
             listed = [(folders[edition], edition) for edition in here]
             view = {"lang": language, "labels": labels, "by_command": editions.by_command(listed)}
-            yield _Book(language, labels, wordings.get(language, editions.ENGLISH), listed, view)
+            yield Book(language, labels, wordings.get(language, editions.ENGLISH), listed, view)
 
 
-def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Common]) -> Iterator[Output]:
+def _front(env: jinja2.Environment, book: Book, commons: Mapping[Edition, Common]) -> Iterator[Output]:
     """Pages that are not about a single edition."""
     language = book.language
     listed = [(folder, commons[edition]) for folder, edition in book.listed]
@@ -134,7 +122,7 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
         for edition, old in older.items()
         if old
     }
-    supported = list(editions.support(book.listed, book.labels, language, changed))
+    supported = list(editions.support(book, changed))
     starts = list(guides.starts(listed))
     about = {
         "editions": only_editions,
@@ -173,9 +161,9 @@ def _front(env: jinja2.Environment, book: _Book, commons: Mapping[Edition, Commo
     yield Output(f"{language}/bus-load-calculator.html", calculator)
 
 
-def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) -> Iterator[Output]:
+def _edition(env: jinja2.Environment, common: Common, book: Book, folder: str) -> Iterator[Output]:
     edition = common.edition
-    pages = Pages(common, book.labels, book.language)
+    pages = Pages(common, book)
     old = editions.previous(edition, [listed for _, listed in book.listed])
     about = {
         "edition": edition,
@@ -187,7 +175,7 @@ def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) 
     view = {**book.view, **about}
     yield Output(
         f"{folder}/index.md",
-        env.get_template("overview.md.j2").render(view, **overview(edition, book.labels, book.language)),
+        env.get_template("overview.md.j2").render(view, **overview(edition, book)),
     )
     named = [type_ for type_ in edition.types if type_.path[0] == "types"]
     for name in _PAGES if edition.states else _PAGES[:-1]:
@@ -197,13 +185,11 @@ def _edition(env: jinja2.Environment, common: Common, book: _Book, folder: str) 
         )
     template = env.get_template("command.md.j2")
     for sheet in common.sheets:
-        changed = old and editions.changed(
-            old, common.since(old).by_command[sheet.name], book.language, book.labels, book.wording
-        )
+        changed = old and editions.changed(old, common.since(old).by_command[sheet.name], book)
         page = template.render({**view, **sheet.view, "sheet": sheet, "forms": sheet.forms, "changed": changed})
         yield Output(f"{folder}/{COMMANDS}{sheet.name}.md", page)
     if old is not None:
-        changes = editions.changes(old, common.since(old).changes, book.language, book.labels, book.wording)
+        changes = editions.changes(old, common.since(old).changes, book)
         yield Output(f"{folder}/changes.md", env.get_template("changes.md.j2").render(view, changes=changes))
 
 

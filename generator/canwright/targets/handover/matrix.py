@@ -68,20 +68,26 @@ class Numbers(NamedTuple):
     limits: Range | None
 
 
-def rows(edition: Edition, language: str, labels: Mapping[str, str]) -> Iterator[Row]:
-    """The rows of an edition, with texts in a language, and its labels."""
-    for command in edition.commands:
+def rows(shown: Shown) -> Iterator[Row]:
+    """The rows of an edition."""
+    for command in shown.edition.commands:
         for direction in Direction:
             message = command.message(direction)
             if message is not None:
-                yield from rows_of(edition, command, message, language, labels)
+                yield from rows_of(shown, command, message)
 
 
-def rows_of(
-    edition: Edition, command: Command, message: Message, language: str, labels: Mapping[str, str]
-) -> Iterator[Row]:
-    """The rows of one direction of a command."""
-    yield from _Rows(edition, command, message, language, labels).all()
+def rows_of(shown: Shown, command: Command, message: Message) -> Iterator[Row]:
+    """The rows of one direction: of its keys, then of the fields that exist where the command does; one without any."""
+    start, layout, content = _start(shown, command, message), message.layout, contents(message)
+    fields = [field for field in layout.fields if is_available(layout, field, command)]
+    for number, key in enumerate(message.keys):
+        yield _of_key(shown, start, key, message.accepted_codes if number == 0 else ())
+    for field in fields:
+        fixed = _fixed(content[field].written) if field in content else ""
+        yield from _of_field(shown, start._replace(fixed=fixed), command, layout, field)
+    if not message.keys and not fields:
+        yield start
 
 
 def _sending(message: Message, labels: Mapping[str, str]) -> Iterator[str]:
@@ -142,99 +148,70 @@ class Shown:
         return self.list(listed)
 
 
-class _Rows:
-    """The rows of one direction of a command."""
+def _start(shown: Shown, command: Command, message: Message) -> Row:
+    """What every row of one direction of a command has."""
+    edition, labels, direction = shown.edition, shown.labels, message.direction
+    length = labels["remote"] if message.remote else labels["bytes"].format(message.dlc)
+    length += ", CAN FD" if edition.bus.frame_format.is_fd else ""
+    answering = command.from_each if direction is Direction.REPLY else ()
+    nodes = [node for node in message.id.nodes or () if not answering or node in answering]
+    kind = labels["extended" if message.id.extended else "standard"]
+    return Row(*[""] * len(Row._fields))._replace(
+        command=command.name,
+        title=command.title[shown.language],
+        code="" if command.code is None else formatting.constant(command.code),
+        direction=labels[direction.value],
+        answer=_answer(command, direction, labels),
+        id=formatting.id_rule(sent_id_rule(message)),
+        nodes=formatting.numbers(nodes),
+        frame=shown.list((kind, length, *_sending(message, labels))),
+        only=shown.condition(command.only),
+        manual=shown.section(command.manual),
+        edition=edition.name,
+        date=edition.date,
+    )
 
-    def __init__(
-        self, edition: Edition, command: Command, message: Message, language: str, labels: Mapping[str, str]
-    ) -> None:
-        self._edition = edition
-        self._command = command
-        self._message = message
-        self._contents = contents(message)
-        self._language = language
-        self._labels = labels
-        self._shown = Shown(edition, language, labels)
-        length = self._labels["remote"] if message.remote else self._labels["bytes"].format(message.dlc)
-        length += ", CAN FD" if edition.bus.frame_format.is_fd else ""
-        direction = message.direction
-        answering = command.from_each if direction is Direction.REPLY else ()
-        nodes = [node for node in message.id.nodes or () if not answering or node in answering]
-        self._start = Row(
-            *[""] * len(Row._fields),
-        )._replace(
-            command=command.name,
-            title=command.title[language],
-            code="" if command.code is None else formatting.constant(command.code),
-            direction=self._labels[direction.value],
-            answer=_answer(command, direction, self._labels),
-            id=formatting.id_rule(sent_id_rule(message)),
-            nodes=formatting.numbers(nodes),
-            frame=self._labels["semicolon"].join(
-                (
-                    self._labels["extended" if message.id.extended else "standard"],
-                    length,
-                    *_sending(message, self._labels),
-                )
-            ),
-            only=self._shown.condition(command.only),
-            manual=self._shown.section(command.manual),
-            edition=edition.name,
-            date=edition.date,
-        )
 
-    def all(self) -> Iterator[Row]:
-        """The rows of the keys, then of the fields that exist where the command does; one row without any."""
-        layout = self._message.layout
-        fields = [field for field in layout.fields if is_available(layout, field, self._command)]
-        for number, key in enumerate(self._message.keys):
-            yield self._of_key(key, self._message.accepted_codes if number == 0 else ())
-        for field in fields:
-            yield from self._of_field(layout, field)
-        if not self._message.keys and not fields:
-            yield self._start
+def _of_key(shown: Shown, start: Row, key: Key, accepted: Sequence[int]) -> Row:
+    labels, place = shown.labels, formatting.key_place(key, shown.words)
+    further = labels["accepted"].format(labels["comma"].join(map(formatting.constant, accepted))) if accepted else ""
+    return start._replace(
+        position=place.position,
+        bits=Fraction(key.width),
+        meaning=shown.list((labels[_ROLES[key.role]], further)),
+        raw=place.raw,
+        fixed=_fixed(key.value),
+    )
 
-    def _of_key(self, key: Key, accepted: Sequence[int]) -> Row:
-        meaning = [self._labels[_ROLES[key.role]]]
-        if accepted:
-            meaning.append(
-                self._labels["accepted"].format(self._labels["comma"].join(map(formatting.constant, accepted)))
+
+def _of_field(shown: Shown, start: Row, command: Command, layout: Layout, field: Field) -> Iterator[Row]:
+    """The rows of a field, for each element and each combination of parameter values with its own numbers."""
+    type_, role = field.type, field.role.key
+    start = start._replace(
+        bits=Fraction(type_.width),
+        meaning=shown.list((field.title[shown.language], shown.labels[role] if role else "")),
+        values=shown.list(_member(shown, type_, member) for member in type_.members),
+        manual=shown.section(field.manual or command.manual),
+        manual_name=field.manual_name,
+    )
+    limited = dict.fromkeys([*command.only, *([layout.parameter] if field.only and layout.parameter else [])])
+    only = {name: values_of(name, layout, field, command) for name in limited}
+    for place in formatting.field_places(field, shown.words):
+        for numbers in numbers_of(shown.edition, type_, only):
+            yield start._replace(
+                position=place.position,
+                field=place.name,
+                raw=place.raw,
+                only=shown.condition(numbers.only),
+                **(shown.numbers(type_, numbers) if field.is_given and type_.is_number else {}),
             )
-        place = formatting.key_place(key, self._shown.words)
-        return self._start._replace(
-            position=place.position,
-            bits=Fraction(key.width),
-            meaning=self._labels["semicolon"].join(meaning),
-            raw=place.raw,
-            fixed=_fixed(key.value),
-        )
 
-    def _of_field(self, layout: Layout, field: Field) -> Iterator[Row]:
-        type_ = field.type
-        meaning = [field.title[self._language], self._labels[field.role.key] if field.role.key else ""]
-        start = self._start._replace(
-            bits=Fraction(type_.width),
-            meaning=self._labels["semicolon"].join(filter(None, meaning)),
-            fixed=_fixed(self._contents[field].written) if field in self._contents else "",
-            values=self._labels["semicolon"].join(self._member(type_, member) for member in type_.members),
-            manual=self._shown.section(field.manual or self._command.manual),
-            manual_name=field.manual_name,
-        )
-        for place in formatting.field_places(field, self._shown.words):
-            for numbers in _numbers(self._edition, layout, field, self._command):
-                yield start._replace(
-                    position=place.position,
-                    field=place.name,
-                    raw=place.raw,
-                    only=self._shown.condition(numbers.only),
-                    **(self._shown.numbers(type_, numbers) if field.is_given and type_.is_number else {}),
-                )
 
-    def _member(self, type_: Type, member: Member) -> str:
-        value = formatting.no_value(member) if isinstance(member, NoValue) else str(member.value)
-        value = self._labels["bit"].format(member.value, 1 << member.value) if type_.flags else value
-        title = member.title.get(self._language, "")
-        return self._labels["member"].format(value, member.name, title) if title else f"{value} = {member.name}"
+def _member(shown: Shown, type_: Type, member: Member) -> str:
+    value = formatting.no_value(member) if isinstance(member, NoValue) else str(member.value)
+    value = shown.labels["bit"].format(member.value, 1 << member.value) if type_.flags else value
+    title = member.title.get(shown.language, "")
+    return shown.labels["member"].format(value, member.name, title) if title else f"{value} = {member.name}"
 
 
 _ROLES = {KeyRole.CODE: "selector", KeyRole.INDEX: "index", KeyRole.CONSTANT: "constant"}
@@ -257,14 +234,6 @@ def _answer(command: Command, direction: Direction, texts: Mapping[str, str]) ->
     if command.from_each:
         forms.append(texts["from_each"].format(formatting.numbers(command.from_each)))
     return texts["semicolon"].join(forms)
-
-
-def _numbers(edition: Edition, layout: Layout, field: Field, command: Command) -> Iterator[Numbers]:
-    """The numbers of a field, once for each combination of parameter values that makes a difference."""
-    type_ = field.type
-    limited = dict.fromkeys([*command.only, *([layout.parameter] if field.only and layout.parameter else [])])
-    only = {name: values_of(name, layout, field, command) for name in limited}
-    yield from numbers_of(edition, type_, only)
 
 
 def numbers_of(edition: Edition, type_: Type, only: Mapping[str, tuple[str, ...]] = NO_CONDITION) -> Iterator[Numbers]:

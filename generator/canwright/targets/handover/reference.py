@@ -9,7 +9,6 @@ from itertools import starmap
 from typing import Any
 
 from ...model import formatting
-from ...model.edition import Edition
 from ...model.golden_frames import Value
 from ...model.message import Command, Direction, EchoReply, OtherReply
 from ..base import EditionInput
@@ -23,22 +22,17 @@ Content = tuple[tuple[str, ...], ...]
 """The cells of the fields of a message."""
 
 
-def reference(
-    item: EditionInput, rows: Sequence[Row], language: str, title: str, labels: Mapping[str, str]
-) -> Mapping[str, Any]:
+def reference(item: EditionInput, rows: Sequence[Row], shown: matrix.Shown, title: str) -> Mapping[str, Any]:
     """Texts, lists and mappings of an edition; `rows` is its command matrix."""
-    return _Reference(item, rows, language, labels).content(title)
+    return _Reference(item, rows, shown).content(title)
 
 
 class _Reference:
     """The parts of the reference of an edition."""
 
-    def __init__(self, item: EditionInput, rows: Sequence[Row], language: str, labels: Mapping[str, str]) -> None:
-        self._item = item
-        self._edition: Edition = item.edition
-        self._labels = labels
-        self._language = language
-        self._shown = matrix.Shown(item.edition, language, labels)
+    def __init__(self, item: EditionInput, rows: Sequence[Row], shown: matrix.Shown) -> None:
+        self._item, self._shown = item, shown
+        self._edition, self._language, self._labels = item.edition, shown.language, shown.labels
         self._rows: dict[tuple[str, str], list[Row]] = {}
         for row in rows:
             self._rows.setdefault((str(row.command), str(row.direction)), []).append(row)
@@ -145,7 +139,7 @@ class _Reference:
             return ()
         rows: Iterable[Row] = self._rows[command.name, self._labels[direction.value]]
         if message.layout.shared:
-            rows = matrix.rows_of(self._edition, replace(command, only={}), message, self._language, self._labels)
+            rows = matrix.rows_of(self._shown, replace(command, only={}), message)
         return tuple(self._field(row) for row in rows if row.field)
 
     def _examples(self, command: Command, direction: Direction) -> list[str]:

@@ -25,10 +25,9 @@ _ERRATUM = ("erratum", "manual", "manual_prints", "used", "why", "command", "con
 _SOURCE = ("source", "about", "frames")
 
 
-def sheets(item: EditionInput, rows: Sequence[matrix.Row], language: str, labels: Mapping[str, str]) -> Sequence[Sheet]:
+def sheets(item: EditionInput, rows: Sequence[matrix.Row], shown: matrix.Shown) -> Sequence[Sheet]:
     """The sheets of an edition; `rows` is its command matrix."""
-    edition = item.edition
-    shown = matrix.Shown(edition, language, labels)
+    edition, labels = item.edition, shown.labels
     contents: Mapping[str, tuple[Sequence[str], Sequence[Sequence[Cell]]]] = {
         "commands": (_COMMAND, list(_commands(edition, rows, shown))),
         "fields": (matrix.Row._fields, rows),

@@ -64,14 +64,13 @@ class HandoverTarget(Target):
                     name = f"{family}-{edition.name}-{language}"
                     dated = f" ({edition.date})" if edition.date else ""
                     title = f"{family} {edition.name}{dated}: {edition.title[language]}"
-                    rows = list(matrix.rows(edition, language, labels[language]))
-                    book = sheets(item, rows, language, labels[language])
+                    shown = matrix.Shown(edition, language, labels[language])
+                    rows = list(matrix.rows(shown))
                     yield Output(f"{name}.html", document(pages, folder, language, title, labels[language]))
                     yield BinaryOutput(f"{name}.csv", spreadsheets.csv_text(rows, labels[language]))
-                    yield BinaryOutput(f"{name}.xlsx", spreadsheets.excel(book, title))
+                    yield BinaryOutput(f"{name}.xlsx", spreadsheets.excel(sheets(item, rows, shown), title))
                     if options[PDF]:
-                        content = reference(item, rows, language, title, labels[language])
-                        yield BinaryOutput(f"{name}.pdf", pdf(content))
+                        yield BinaryOutput(f"{name}.pdf", pdf(reference(item, rows, shown, title)))
 
 
 def _pages(specifications: Sequence[EditionInput]) -> Mapping[str, str]:

@@ -55,18 +55,18 @@ def constant(message: Message) -> Code:
 
 def read_in(run: BitRun, message: Message) -> str:
     """The value of some bits in a frame of a message."""
-    return _read(run, message_plan(message).length)
+    return _read(run, message.length)
 
 
 def keys(message: Message) -> str:
     """The condition that a frame has the keys of a message; empty without a key."""
     plan = message_plan(message)
-    return " && ".join(_has(accepted.key, accepted.values, plan.length) for accepted in plan.keys)
+    return " && ".join(_has(accepted.key, accepted.values, message.length) for accepted in plan.keys)
 
 
 def route(direction: Direction, of: dispatch.Route) -> Lines:
     """The statements that return the message of a frame of a route, or the error if it is none."""
-    shortest = min(message_plan(message).length for message in of.messages)
+    shortest = min(message.length for message in of.messages)
     yield from _decision(direction, of.then, (), shortest)
 
 
@@ -147,7 +147,7 @@ class Functions:
     def check(self, message: Message) -> Lines:
         """The statements that reject a frame whatever the parameters are; none if there is no such check."""
         for step in _leading(message):
-            yield from self._check(step, message_plan(message).length)
+            yield from self._check(step, message.length)
 
     def read(self, message: Message) -> Lines:
         """The statements that return the message of a frame that is checked, and a node, under the parameters `p`."""
@@ -171,14 +171,14 @@ class Functions:
                     return
                 case CheckConstant() | CheckChecksum() | CheckParameter():
                     if step.field in present:
-                        yield from self._check(step, message_plan(message).length)
+                        yield from self._check(step, message.length)
                 case ReadField():
                     fields += [step.field] if step.field in present else []
                 case _:
                     assert_never(step)
         plan = message_plan(message)
         exact: dict[str, Value] = {"__proto__": Code("EXACT")} if any(f.type.width > 53 for f in fields) else {}
-        raws: dict[str, Value] = {f.name: Code(_raw(f, plan.length)) for f in fields}
+        raws: dict[str, Value] = {f.name: Code(_raw(f, message.length)) for f in fields}
         values: dict[str, Value] = {f.name: Code(self._value(f)) for f in fields}
         code = f", {read_in(message.keys[0], message)}" if plan.codes else ""
         yield f"const raw = Object.freeze({text.printed({**exact, **raws})});"
@@ -238,7 +238,7 @@ class Functions:
                     if step.field is None or step.field in present:
                         frame.write(step)
                 case WriteChecksum() | CheckMeaning():
-                    after += self._ending(step, message_plan(message).length)
+                    after += self._ending(step, message.length)
                 case _:
                     assert_never(step)
         yield f"{'const raw = ' if names else ''}given.raws({text.printed(names)});"
@@ -290,7 +290,7 @@ class _Written:
         self.constants: list[str] = []
         self._codes = plan.codes
         self._code = message.keys[0].value if message.keys else 0
-        self._bytes: list[list[str]] = [[] for _ in range(plan.length)]
+        self._bytes: list[list[str]] = [[] for _ in range(message.length)]
         self._id: list[str] = []
         self._fixed = {Space.DATA: 0, Space.ID: 0}
 

@@ -9,6 +9,7 @@ from ...model.layout import Field
 from ...model.message import Message
 from ...model.types import Bound, Linear, Parameter, Type
 from ...semantics.valid_raws import FiniteFloats, RawInterval, ValidRaws, valid_raws, width_limits
+from ..field_contents import Content
 from ..nested_source import Table, Value
 from ..tables import EditionTables
 from . import text
@@ -35,10 +36,10 @@ class JavaScriptTables(EditionTables):
             "noValues": no_values or None,
         }
 
-    def field(self, field: Field) -> dict[str, Value]:
+    def field(self, field: Field, content: Content | None) -> dict[str, Value]:
         """A field, with what tools ask besides its value."""
         counter = [field.counter.first, field.counter.last] if field.counter else None
-        return {**super().field(field), "checksum": True if field.checksum else None, "counter": counter}
+        return {**super().field(field, content), "checksum": True if field.checksum else None, "counter": counter}
 
     @cached_property
     def parameters(self) -> Table:

@@ -76,7 +76,7 @@ def route_views(edition: Edition, direction: Direction, readers: Readers) -> Ite
     """The routes of one direction, in the order in which they are tried."""
     explained = only_by_request(edition) if direction is Direction.REPLY else ()
     for route in dispatch.dispatch_plan(edition, direction).routes:
-        shortest = min(message_plan(message).length for message in route.messages)
+        shortest = min(message.length for message in route.messages)
         yield RouteView(route, _node(route.then, shortest, readers), [m for m in route.messages if m in explained])
 
 
@@ -114,7 +114,7 @@ def answer_views(edition: Edition, readers: Readers) -> Iterator[AnswerView]:
 
 
 def _answer(plan: ExchangePlan, masks: Mapping[tuple[IdRule, bool], int], readers: Readers) -> AnswerView:
-    keys, length = message_plan(plan.reply).keys, message_plan(plan.reply).length
+    keys, length = message_plan(plan.reply).keys, plan.reply.length
     return AnswerView(
         plan,
         (),
@@ -130,9 +130,9 @@ def node_readers(edition: Edition, readers: Readers) -> Iterator[tuple[str, str]
     for message in edition.all_messages():
         bits = message.node_bits if message.id.nodes is None else None
         if bits is not None and bits.width <= MAX_NODE_BITS:
-            yield text.class_name(message.name), readers.of(bits, message_plan(message).length)
+            yield text.class_name(message.name), readers.of(bits, message.length)
 
 
 def _node_field(message: Message, run: BitRun | None, readers: Readers) -> str:
     """The function that reads the node of a message, with the mask of its bits; empty without such bits."""
-    return f"({readers.of(run, message_plan(message).length)}, 0x{(1 << run.width) - 1:X})" if run is not None else ""
+    return f"({readers.of(run, message.length)}, 0x{(1 << run.width) - 1:X})" if run is not None else ""

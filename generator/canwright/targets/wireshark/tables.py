@@ -12,6 +12,7 @@ from ...model.types import Linear, Type
 from ...semantics.exchange import ExchangePlan
 from ...semantics.plan import message_plan
 from ...semantics.valid_raws import RawInterval, merged, valid_raws
+from ..field_contents import Content
 from ..nested_source import Code, Table, Value
 from ..tables import EditionTables
 from . import text
@@ -56,8 +57,8 @@ class LuaTables(EditionTables):
             "times": linear.times,
         }
 
-    def field(self, field: Field) -> dict[str, Value]:
-        return {**super().field(field), "label": text.english(field.title) or formatting.spoken(field.name)}
+    def field(self, field: Field, content: Content | None) -> dict[str, Value]:
+        return {**super().field(field, content), "label": text.english(field.title) or formatting.spoken(field.name)}
 
     def message(self, message: Message) -> dict[str, Value]:
         """A message with all that the dissector checks and shows of it."""
