@@ -283,6 +283,19 @@ def test_a_node_in_the_data() -> None:
     ]
 
 
+def test_an_unknown_parameter_in_an_id_is_named(tmp_path: Path) -> None:
+    text = MINIMAL.replace("{id: 0x100 + node", "{request: 0x100 + node, reply: host_id")
+    (tmp_path / "lamp.yaml").write_text(
+        f"{text}parameters: {{host_id: {{number: {{}}, title: Id of the host}}}}\n", "utf-8"
+    )
+    lines = ["101#1000640000000000", "7A1#1000640000000000"]
+    remark = "ids or constants contain `host_id`, which is unknown: --set host_id=NUMBER\n"
+    assert remark in run(tmp_path, lines, "--spec", str(tmp_path / "lamp.yaml")).output
+    known = run(tmp_path, lines, "--spec", str(tmp_path / "lamp.yaml"), "--set", "host_id=0x7A1")
+    assert known.exit_code == 0
+    assert "host_id" not in known.output
+
+
 def test_json(tmp_path: Path) -> None:
     printed = json.loads(run(tmp_path, V2_35, "--format", "json").output)
     (node,) = printed["nodes"]
