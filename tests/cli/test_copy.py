@@ -47,6 +47,15 @@ def test_copy_differs_only_in_label_and_date(lamp: Path) -> None:
     assert (lamp / "v3.yaml").read_text("utf-8") == made.replace("v2", "v3").replace("2026-01", "2026-02")
 
 
+def test_a_label_or_a_date_that_would_be_a_number_is_quoted(lamp: Path) -> None:
+    assert copy("v1", "6.05", "--date", "2026").exit_code == 0
+    made = (lamp / "6.05.yaml").read_text("utf-8")
+    assert made == OLD.replace("edition: v1   # the label\n", 'edition: "6.05"   # the label\ndate: "2026"\n')
+    assert (lamp / "6.05.frames.yaml").read_text("utf-8") == FRAMES.replace("edition: v1", 'edition: "6.05"')
+    assert copy("6.05", "6.06", "--date", "2027").exit_code == 0
+    assert (lamp / "6.06.yaml").read_text("utf-8") == made.replace("6.05", "6.06").replace("2026", "2027")
+
+
 def test_no_frames_copies_the_spec_without_golden_frames(lamp: Path) -> None:
     result = copy("spec/lamp/v1.yaml", "v2", "--no-frames")
     assert result.stdout == "wrote spec/lamp/v2.yaml\n"

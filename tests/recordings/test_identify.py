@@ -17,6 +17,7 @@ from canwright.recordings.frame_classes import FrameClasses
 from canwright.recordings.identify import identify
 from canwright.recordings.kept_frames import BLOCK, MAX_KEPT
 from canwright.recordings.log_frame import Counts, LogFrame
+from canwright.recordings.nodes import Identifiers
 from canwright.recordings.readings import EditionReader
 from canwright.recordings.results import Identification, NodeResult
 from canwright.semantics.frame import CanFrame
@@ -282,6 +283,19 @@ def test_a_node_in_the_data() -> None:
     ]
 
 
+def test_an_unknown_parameter_in_an_id_is_named(tmp_path: Path) -> None:
+    text = MINIMAL.replace("{id: 0x100 + node", "{request: 0x100 + node, reply: host_id")
+    (tmp_path / "lamp.yaml").write_text(
+        f"{text}parameters: {{host_id: {{number: {{}}, title: Id of the host}}}}\n", "utf-8"
+    )
+    lines = ["101#1000640000000000", "7A1#1000640000000000"]
+    remark = "ids or constants contain `host_id`, which is unknown: --set host_id=NUMBER\n"
+    assert remark in run(tmp_path, lines, "--spec", str(tmp_path / "lamp.yaml")).output
+    known = run(tmp_path, lines, "--spec", str(tmp_path / "lamp.yaml"), "--set", "host_id=0x7A1")
+    assert known.exit_code == 0
+    assert "host_id" not in known.output
+
+
 def test_json(tmp_path: Path) -> None:
     printed = json.loads(run(tmp_path, V2_35, "--format", "json").output)
     (node,) = printed["nodes"]
@@ -462,3 +476,35 @@ def test_a_change_in_a_long_log() -> None:
     assert after.start is not None
     changed = sum(map(len, cycle[: CHANGING.count("v2.35")]))
     assert changed - len(cycle[0]) < after.start.number < changed + 8 * BLOCK
+
+
+WIDE = """\
+canwright: 1
+family: {family}
+edition: v1
+addresses: {{axis: {{id: node << 5, nodes: 0..62}}}}
+selector: {{at: id.0, raw: u5}}
+commands:
+  move: {{code: 0x01, request: {{speed: {{at: 0, raw: u16}}}}, reply: {reply}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("lines", "family"),
+    [
+        (["102#1000640000000000", "102#1000640000000000", "7E1#01"], "lamp"),
+        (["041#6400000000000000", "041#6500000000000000"], "sender"),
+        (["041#6400000000000000", "042#0000000000000000"], "asker"),
+    ],
+    ids=["most frames are messages", "a request without its reply", "no family fits"],
+)
+def test_the_family_of_a_log_has_messages_for_most_frames(lines: list[str], family: str, tmp_path: Path) -> None:
+    """`asker` and `sender` have nearly all ids, and the same requests; those of `asker` have replies."""
+    texts = [
+        WIDE.format(family="asker", reply="{layout: {speed: {at: 0, raw: u16}}, dlc: 2}"),
+        WIDE.format(family="sender", reply="none"),
+    ]
+    identifiers = Identifiers([edition(tmp_path, text) for text in (*texts, MINIMAL)], None)
+    for frame in candump.read([f"(1.{i:03}000) can0 {line}\n" for i, line in enumerate(lines)], Counts()):
+        identifiers.add(frame)
+    assert identifiers.best.editions[0].family == family

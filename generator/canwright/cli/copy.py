@@ -11,6 +11,7 @@ import click
 from ..diagnostics.diagnostic import SpecError
 from ..document.document import Document, read_document
 from ..language.edition import EditionSpec, keys
+from ..project.golden_file import as_yaml
 from ..project.loader import frames_file, load
 from ..project.references import UnknownEditionError, find
 from ..templating.resources import SPECS
@@ -97,11 +98,11 @@ def _renamed(file: Path, edition: str, date: str | None) -> str:
         _put(lines, document, "date", date)
     _put(lines, document, "edition", edition)
     if date is not None and ("date",) not in document:
-        lines.insert(document.position(("edition",)).line, f"date: {date}")
+        lines.insert(document.position(("edition",)).line, f"date: {as_yaml(date)}")
     return "\n".join(lines)
 
 
 def _put(lines: list[str], document: Document, key: str, value: str) -> None:
     at = document.position((key,))
     line = lines[at.line - 1]
-    lines[at.line - 1] = line[: at.column - 1] + value + line[at.column - 1 + at.length :]
+    lines[at.line - 1] = line[: at.column - 1] + as_yaml(value) + line[at.column - 1 + at.length :]

@@ -38,7 +38,7 @@ from .bus import BusArguments, bus_options
 from .common import FINDINGS, FilePath, OutputPath, read, spec_option, stop
 from .decode_view import RowTable, summary_text
 from .explain_view import explanation, golden_entries
-from .log_source import BLOCK, ended_by_interrupt, known_nodes, log_directions, log_or_bus
+from .log_source import BLOCK, ended_by_interrupt, known_nodes, log_directions, log_or_bus, unset_parameters
 from .node_settings import (
     bus_of,
     differences_option,
@@ -274,9 +274,7 @@ def _print(
     doubtful = [*doubts(summary, behaviours)]
     if summary.foreign and not summary.nodes and nodes.is_complete({}):
         doubtful.append(f"undecided: no frame has an id of {editions[0].family}")
-    unknown = dict.fromkeys(name for e in editions for m in e.all_messages() for name in m.parameters)
-    unset = [f"ids or constants contain `{name}`, which is unknown: --set {name}=NUMBER" for name in unknown]
-    for remark in [*remarks, *unset, *copies(summary, behaviours), *doubtful]:
+    for remark in [*remarks, *unset_parameters(editions), *copies(summary, behaviours), *doubtful]:
         print_text(f"{remark}\n", error=outputs.prints_rows and outputs.form != "text")
     return not doubtful and _is_clean(summary, nodes, log.counts)
 

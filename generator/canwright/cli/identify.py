@@ -26,7 +26,7 @@ from . import INTERRUPTED
 from .bus import BusArguments, bus_options
 from .common import FINDINGS, read, spec_option, stop
 from .decode_view import at_frame, node_names
-from .log_source import ended_by_interrupt, log_directions, log_or_bus
+from .log_source import ended_by_interrupt, log_directions, log_or_bus, unset_parameters
 from .node_settings import differences_option, direction_of, recorder_option, split_option, window_option
 from .settings import assignment
 from .terminal import print_json, print_text
@@ -99,8 +99,9 @@ def identify(
     directions = log_directions(read_log, nodes_of(identifiers.best, ()), direction_of(recorder), window)
     is_repeated = any(repeated_after(f for f in start if f.bus == bus) for bus in {f.bus for f in start})
     doubtful = [*two_recorders(directions.learn(start))] if is_repeated else []
-    for doubt in doubtful:
-        print_text(f"{doubt}\n", error=form == "json")
+    unset = unset_parameters(editions) if identification.foreign or not identification.is_complete else []
+    for remark in [*unset, *doubtful]:
+        print_text(f"{remark}\n", error=form == "json")
     if read_log.is_ended:
         sys.exit(INTERRUPTED)
     if doubtful or not identification.is_complete:

@@ -86,6 +86,12 @@ def _identified(log: Log, identifiers: Identifiers) -> Identifier:
     return identifiers.best
 
 
+def unset_parameters(editions: Sequence[Edition]) -> list[str]:
+    """A remark for each parameter in ids or constants that is unknown, so that frames with it are not identified."""
+    unknown = dict.fromkeys(name for e in editions for m in e.all_messages() for name in m.parameters)
+    return [f"ids or constants contain `{name}`, which is unknown: --set {name}=NUMBER" for name in unknown]
+
+
 def log_directions(log: Log, nodes: Nodes, recorder: Direction | None, window: int | None = None) -> Directions:
     """What decides on the directions of the frames of a log; a request is answered within `window` ns."""
     return Directions(

@@ -93,11 +93,12 @@ class Identifier:
         self._number = 0
         self._foreign: Counter[tuple[int, bool, bool]] = Counter()
         self._foreign_count = 0
+        self._of_no_message = 0
 
     @property
-    def foreign(self) -> int:
-        """The number of frames whose id belongs to no edition."""
-        return self._foreign_count
+    def unexplained(self) -> tuple[int, int]:
+        """The number of frames that are no message of any edition, and of those whose id belongs to none."""
+        return self._foreign_count + self._of_no_message, self._foreign_count
 
     def add(self, recorded: LogFrame) -> NodeFrames | None:
         """The next frame of the log; returns the frames of its node, None if its id belongs to no edition."""
@@ -115,6 +116,7 @@ class Identifier:
         key = int.from_bytes(content, "little") & line.key_bits
         kind = line.kinds.get(key) or self._kind(line, key, bus, frame)
         kind.count += 1
+        self._of_no_message += not kind.is_message
         node = kind.node
         node.total += 1
         if number - node.last <= NEAR:
@@ -160,7 +162,7 @@ class Identifier:
         if node is None:
             node = self._nodes[bus, number] = NodeFrames(bus, number)
         alike = (node, *messages) if messages else (node, frame.data[:1])
-        kind = line.kinds[key] = line.of_messages.setdefault(alike, Kind(node))
+        kind = line.kinds[key] = line.of_messages.setdefault(alike, Kind(node, is_message=bool(messages)))
         return kind
 
     def _runs(self) -> Mapping[NodeFrames, Runs]:

@@ -16,12 +16,13 @@ BLOCK = 128
 
 
 class Kind:
-    """The frames of a node with the same id, length and keys, and how many there are."""
+    """The frames of a node with the same id, length and keys, how many there are, and whether they can be a message."""
 
-    __slots__ = ("count", "node")
+    __slots__ = ("count", "is_message", "node")
 
-    def __init__(self, node: NodeFrames) -> None:
+    def __init__(self, node: NodeFrames, *, is_message: bool) -> None:
         self.node = node
+        self.is_message = is_message
         self.count = 0
 
 

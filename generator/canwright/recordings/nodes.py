@@ -174,9 +174,9 @@ def common_edition(editions: Sequence[Edition], settings: Sequence[NodeSetting])
 
 
 class Identifiers:
-    """Identifies the editions of a log whose family is unknown: the one with the ids of most frames.
+    """Identifies the editions of a log whose family is unknown: the one with messages for most frames.
 
-    `recorder`, `window` and `kept` are those of `Identifier`.
+    Ids do not decide, because those of some families are nearly all ids. `recorder`, `window` and `kept` are those of `Identifier`.
     """
 
     def __init__(
@@ -196,14 +196,24 @@ class Identifiers:
 
     @property
     def is_certain(self) -> bool:
-        """Whether one family has the ids of more frames than each other one."""
-        first, *rest = sorted(identifier.foreign for identifier in self._all)
-        return not rest or first < rest[0]
+        """Whether one family has messages for more frames than each other one."""
+        return len(self._most_explained) == 1
 
     @property
     def best(self) -> Identifier:
-        """The identifier of the family."""
-        return min(self._all, key=lambda identifier: identifier.foreign)
+        """The identifier of the family; of several with messages for the same frames, one whose editions fit most of them."""
+        first, *rest = self._most_explained
+        return min((first, *rest), key=_not_fitting) if rest else first
+
+    @property
+    def _most_explained(self) -> list[Identifier]:
+        least = min(identifier.unexplained for identifier in self._all)
+        return [identifier for identifier in self._all if identifier.unexplained == least]
+
+
+def _not_fitting(identifier: Identifier) -> int:
+    """The number of frames of nodes that no edition fits."""
+    return sum(result.total for result in identifier.result().nodes if not result.editions)
 
 
 def nodes_of(identifier: Identifier, settings: Sequence[NodeSetting]) -> Nodes:
