@@ -173,11 +173,11 @@ class ByParameter(Generic[T]):
         cases = {name: made(value) for name, value in self.cases.items()}
         return ByParameter(parameter=self.parameter, constant=None, cases=cases)
 
-    def combined(self, other: ByParameter[S], made: Callable[[T | None, S | None], R | None]) -> ByParameter[R]:
+    def combined(self, second: ByParameter[S], made: Callable[[T | None, S | None], R | None]) -> ByParameter[R]:
         """What is made of this value and of another one, which is constant or depends on the same parameter."""
         if self.parameter is None:
-            return other.map(lambda value: made(self.constant, value))
-        cases = {name: made(value, other.at({self.parameter: name})) for name, value in self.cases.items()}
+            return second.map(lambda value: made(self.constant, value))
+        cases = {name: made(value, second.at({self.parameter: name})) for name, value in self.cases.items()}
         return ByParameter(parameter=self.parameter, constant=None, cases=cases)
 
     def distinct(self) -> Sequence[tuple[tuple[str, ...], T | None]]:
