@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 from canwright.project.loader import specification
@@ -79,3 +80,14 @@ def test_bits_are_called_reserved_where_they_are_data(pages: dict[str, str]) -> 
     asked = next(o.text for o in DocsTarget().generate([blower], {}) if o.path == "en/v1/commands/read_voltage.md")
     assert "remote frame, `4` data bytes" in asked
     assert "Other bits: 0" not in asked
+
+
+def test_a_float_has_a_unit_but_no_resolution(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.yaml"
+    scaled = "scale: {by: model, A: 1/10, B: 1/100}"
+    spec.write_text(
+        SHARED.replace("u16", "f32").replace(f", {scaled}", "").replace("at: 3, raw: u40", "at: 5, raw: u24"), "utf-8"
+    )
+    texts = {output.path: output.text for output in DocsTarget().generate([specification(spec)], {})}
+    assert "| `f32` | `A` |" in _row(texts["en/v1/commands/both.md"], "level")
+    assert "1 A" not in texts["en/v1/commands/both.md"] + texts["en/v1/types.md"]

@@ -375,3 +375,35 @@ def test_a_node_keeps_what_is_written_as_its_effects_say(package: dict[str, Modu
     assert (simulated.values["iq_ki"], simulated.values["acceleration"]) == (9, 7)
     simulated.power_on()
     assert (simulated.values["iq_ki"], simulated.values.get("acceleration")) == (9, None)
+
+
+VALUES = """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: 0x100 + node, nodes: 1..4}}
+types:
+  angle: {raw: u12, unit: rad, scale: 25/4095, offset: -12.5}
+  heat: {raw: u8, unit: degC, offset: -40, no_value: {unknown: 255}}
+  warm: {raw: u8, unit: K, offset: 200}
+  state: {raw: u8, enum: {lit: 1}}
+commands:
+  read:
+    reply:
+      angles: {at: 0, type: angle, array: 1..2}
+      heat: {at: 3, type: heat}
+      warm: {at: 4, type: warm}
+      state: {at: 5, type: state}
+      label: {at: 6, raw: ascii2}
+"""
+
+
+def test_a_value_that_is_not_given_is_the_one_nearest_to_zero(tmp_path: Path) -> None:
+    """Where an offset belongs to a type, it is not the raw integer 0."""
+    spec = tmp_path / "lamp.yaml"
+    spec.write_text(VALUES, "utf-8")
+    package = write_files(PythonTarget().generate([specification(spec)], {}), tmp_path)
+    module, nodes, simulation = modules.load(package, "lamp.v1", "lamp.nodes", "lamp.simulation")
+    lamp = simulation.SimulatedNode(nodes.Node(module, 1))
+    (reply,) = lamp.answer(module.ReadRequest(node=1))
+    assert reply.raw() == {"angles": (2048, 2048), "heat": 40, "warm": 0, "state": 1, "label": (0, 0)}

@@ -182,7 +182,7 @@ class SimulatedNode:
             return _nearest_raw(type_, self.values[variable], parameters, name)
         if request is not None and request.TYPES.get(name) is type_ and name in request.fields():
             return request.raw()[name]
-        return _valid_raw(type_, kind.PLAUSIBLE.get(name, 0), parameters, name)
+        return _valid_raw(type_, kind.PLAUSIBLE.get(name), parameters, name)
 
 
 def _nearest_raw(type_: FieldType, value: Any, parameters: Any, name: str) -> Any:
@@ -198,13 +198,17 @@ def _nearest_raw(type_: FieldType, value: Any, parameters: Any, name: str) -> An
         return type_.raw_range(parameters)[0 if abs(value - low) < abs(value - high) else 1]
 
 
-def _valid_raw(type_: FieldType, raw: int, parameters: Any, name: str) -> Any:
-    """A valid raw integer, the given one if possible; of an array one for each element."""
+def _valid_raw(type_: FieldType, raw: int | None, parameters: Any, name: str) -> Any:
+    """A valid raw integer, the given one if possible, or that of the value nearest to 0; of an array one for each element."""
     if isinstance(type_, ArrayType):
         return (_valid_raw(type_.type, raw, parameters, name),) * type_.count
     low, high = type_.raw_range(parameters)
     try:
-        return type_.check(min(max(raw, low), high), parameters, name)
+        wanted = _nearest_raw(type_, 0, parameters, name) if raw is None else raw
+    except (CodecError, TypeError):  # it is no number
+        wanted = 0
+    try:
+        return type_.check(min(max(wanted, low), high), parameters, name)
     except CodecError:
         return low
 

@@ -316,7 +316,7 @@ def scale(
     """Resolutions (1 LSB): (parameter values, `25/65535 rad, offset -12.5 rad`); the former are empty if it is constant.
 
     If `among` contains values of that parameter, the others are left out. `offset_word` precedes an offset. `unit` is
-    printed instead of the symbol of the unit. An unknown scale is `not given`.
+    printed instead of the symbol of the unit. An unknown scale is `not given`. Of a float without a scale, it is the unit.
     """
     cases = (type_.linear.constant, *type_.linear.cases.values())
     printed = tuple(linear.printed for linear in cases if linear is not None)
@@ -334,6 +334,8 @@ def _scale(
     def worth(linear: Linear | None) -> str:
         if linear is None:
             return NOT_GIVEN
+        if type_.is_bare_float:
+            return symbol
         added = f"{offset_word}{offset(linear)}{unit}" if linear.offset else ""
         return f"{step(linear)}{unit}{added}"
 

@@ -368,6 +368,11 @@ class Type:
         return self.is_number and self.encoding is not Encoding.FLOAT and self.linear == ByParameter.always(IDENTITY)
 
     @property
+    def is_bare_float(self) -> bool:
+        """True if the value is the number that the float has, so that there is no resolution."""
+        return self.encoding is Encoding.FLOAT and self.linear == ByParameter.always(IDENTITY)
+
+    @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the choice parameters that scale and range depend on."""
         names = (self.linear.parameter, self.raw_range.parameter)

@@ -9,19 +9,25 @@ from .rule import CheckInput, Finding, Findings
 
 def check(subject: CheckInput) -> Findings:
     first: dict[str, Type] = {}
+    first_scaled: dict[str, Type] = {}
     for type_ in subject.edition.types:
         if type_.unit is None or type_.enum or type_.flags or any(type_.differs.values()):
             continue
-        first_type = first.setdefault(type_.unit.quantity, type_)
-        if (first_type.unit, first_type.linear) != (type_.unit, type_.linear):
-            own, expected = _resolution(type_), _resolution(first_type)
-            text = f"`{type_.name}` has a resolution of {own}, but `{first_type.name}` of {expected}"
-            yield Finding(
-                type_.path,
-                text,
-                f"the quantity of both is {type_.unit.quantity}; check the scales, or give the reason in `differs`",
-                key=True,
-            )
+        quantity = type_.unit.quantity
+        earlier = first.setdefault(quantity, type_)
+        if earlier.unit is not None and earlier.unit != type_.unit:
+            text = f"`{type_.name}` is in {type_.unit.symbol}, but `{earlier.name}` in {earlier.unit.symbol}"
+            yield Finding(type_.path, text, _hint(quantity, "units"), key=True)
+        elif not type_.is_bare_float:
+            earlier = first_scaled.setdefault(quantity, type_)
+            if earlier.linear != type_.linear:
+                own, expected = _resolution(type_), _resolution(earlier)
+                text = f"`{type_.name}` has a resolution of {own}, but `{earlier.name}` of {expected}"
+                yield Finding(type_.path, text, _hint(quantity, "scales"), key=True)
+
+
+def _hint(quantity: str, checked: str) -> str:
+    return f"the quantity of both is {quantity}; check the {checked}, or give the reason in `differs`"
 
 
 def _resolution(type_: Type) -> str:

@@ -339,6 +339,13 @@ def _key(line: Mapping[str, str]) -> Key:
     return Key(bits(plain(line["Position"]), plain(raw)), int(plain(value), 0), accepted)
 
 
+def _scales(text: str, *, is_float: bool) -> Mapping[str, Scale | None]:
+    """Those of a column; a float without a number there is its own value, in a unit or without one."""
+    if is_float and not re.search(r"\d", text):
+        return {"": Scale(Fraction(1), Fraction(0))}
+    return {name: scale(case) for name, case in cases(text).items()}
+
+
 def _field(line: Mapping[str, str]) -> FieldRow:
     match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", plain(line["Field"]))
     assert match, line["Field"]
@@ -356,7 +363,7 @@ def _field(line: Mapping[str, str]) -> FieldRow:
         linked[1] if linked else "",
         plain(raw),
         bits(plain(line["Position"]), plain(raw)),
-        {name: scale(text) for name, text in cases(line.get("Resolution (1 LSB)", "")).items()},
+        _scales(line.get("Resolution (1 LSB)", ""), is_float=is_float),
         {}
         if constant is not None
         else {name: ends(text.partition(" ")[0] if is_float else text) for name, text in cases(limits).items() if text},

@@ -15,7 +15,7 @@ from ...model.edition import Edition
 from ...model.formatting import english
 from ...model.layout import Field, Layout, Space
 from ...model.message import Address, Command
-from ...model.types import IDENTITY, ByParameter, Encoding, Type
+from ...model.types import Encoding, Type
 from ...semantics.valid_raws import valid_raws
 
 WIDTH = 118
@@ -183,7 +183,7 @@ def _scale(type_: Type, among: Sequence[str]) -> str:
     unit = type_.unit.dbc if type_.unit else ""
     if not type_.is_number:
         return ""
-    if type_.encoding is Encoding.FLOAT and type_.linear == ByParameter.always(IDENTITY):
+    if type_.is_bare_float:
         return f"In {unit}, as the bits of an IEEE 754 number." if unit else "The bits of an IEEE 754 number."
     scales = formatting.scale(type_, among, ", counted from ", unit)
     cases = [(names, formatting.with_ascii_pi(scale)) for names, scale in scales]

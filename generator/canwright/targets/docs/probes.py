@@ -139,7 +139,7 @@ def _answer(folder: str, edition: Edition, reply: Message) -> Answer:
 def _places(message: Message) -> Iterator[tuple[str, str]]:
     """The fields of a message with their bits, and their resolution if there is one for all."""
     for field in message.layout.fields:
-        scales = formatting.scale(field.type) if field.type.is_number else []
+        scales = formatting.scale(field.type) if field.type.is_number and not field.type.is_bare_float else []
         step = f" × {scales[0][1]}" if len(scales) == 1 and field.type.unit else ""
         yield field.name, code(formatting.field_places(field)[0].position + step)
 

@@ -202,6 +202,7 @@ def scale(type_: Type, labels: Labels, among: tuple[str, ...] = ()) -> str:
     return "<br>".join(
         (f"{names}: " if names else "") + (labels["not_given"] if text == "not given" else code(text))
         for names, text in scales
+        if text
     )
 
 

@@ -48,7 +48,7 @@ def meaning(field: Field) -> str:
     type_ = field.type
     title = formatting.english(field.title) or formatting.english(type_.title) or formatting.spoken(field.name)
     parts = [title]
-    if type_.is_number and not type_.is_plain:
+    if type_.is_number and not type_.is_plain and not type_.is_bare_float:
         parts += [f"resolution {formatting.with_cases(formatting.scale(type_))}"]
     elif type_.unit:
         parts += [type_.unit.symbol]

@@ -74,7 +74,7 @@ def _type(type_: Type) -> Value:
         for (names, what), linear in zip(formatting.scale(type_), linears, strict=True)
     ]
     ranges: list[Value] = [list(case) for case in formatting.ranges(type_)]
-    has_resolution = type_.is_number and not type_.is_plain
+    has_resolution = type_.is_number and not type_.is_plain and not type_.is_bare_float
     return {
         "resolution": resolutions if has_resolution else None,
         "range": ranges or None,

@@ -9,7 +9,7 @@ from ...model.deprecation import Deprecation
 from ...model.edition import Edition
 from ...model.layout import Field, Layout
 from ...model.message import Command, Direction, Message
-from ...model.types import IDENTITY, ByParameter, Encoding, Parameter, Type
+from ...model.types import Encoding, Parameter, Type
 from .text import english, plain, sentence
 
 Docstring = tuple[str, ...]
@@ -104,8 +104,7 @@ def of_type(type_: Type) -> str:
     parts = []
     if type_.unit:
         parts.append(f"In {type_.unit.symbol}")
-    is_bare = type_.encoding is Encoding.FLOAT and type_.linear == ByParameter.always(IDENTITY)
-    if not type_.is_plain and type_.is_number and not is_bare:
+    if not type_.is_plain and type_.is_number and not type_.is_bare_float:
         parts.append(f"resolution (1 LSB) {formatting.with_cases(formatting.scale(type_))}")
     limits = formatting.ranges(type_)
     if limits:
