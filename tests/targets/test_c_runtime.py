@@ -11,7 +11,8 @@ import pytest
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
 from canwright.targets.base import header
-from canwright.targets.c.names import FD, SHARED, SHARED_CXX, TEXT
+from canwright.targets.c.cpp import SHARED_CXX
+from canwright.targets.c.names import FD, SHARED, TEXT
 from canwright.targets.c.package import RUNTIME
 
 from ..compilers import CORTEX_M0, LEVELS, STANDARDS, WARNINGS, ZIG, Compiler, build, each_compiler
@@ -65,15 +66,17 @@ def test_each_header_compiles_alone(file: str, tmp_path: Path) -> None:
     ZIG.check("c99", *WARNINGS, f"-I{RUNTIME}", "-c", unit, "-o", unit.with_suffix(".o"))
 
 
-@pytest.mark.parametrize("file", [*SHARED, FD, TEXT, *SHARED_CXX])
-def test_the_source_is_copied_below_a_header_line(file: str, tmp_path: Path) -> None:
-    edition_input = specification(SPEC_WITH.get(file, MAIN))
-    copied = write([edition_input], tmp_path) / "include" / edition_input.edition.family / file
-    assert copied.read_bytes() == f"/* {header(edition_input.edition)} */\n".encode() + (RUNTIME / file).read_bytes()
+@pytest.mark.parametrize(
+    "source", [*(RUNTIME / file for file in (*SHARED, FD, TEXT)), SHARED_CXX], ids=lambda p: p.name
+)
+def test_the_source_is_copied_below_a_header_line(source: Path, tmp_path: Path) -> None:
+    edition_input = specification(SPEC_WITH.get(source.name, MAIN))
+    copied = write([edition_input], tmp_path) / "include" / edition_input.edition.family / source.name
+    assert copied.read_bytes() == f"/* {header(edition_input.edition)} */\n".encode() + source.read_bytes()
 
 
 def test_every_source_file_is_copied() -> None:
-    assert sorted(file.name for file in RUNTIME.iterdir()) == sorted([*SHARED, FD, TEXT, *SHARED_CXX])
+    assert sorted(file.name for file in RUNTIME.iterdir()) == sorted([*SHARED, FD, TEXT])
 
 
 def test_the_statuses_are_the_reasons_for_rejection(tmp_path: Path) -> None:

@@ -45,13 +45,13 @@ def find(editions: Sequence[Edition], wanted: str) -> tuple[list[tuple[Edition, 
 
 def _has_number(command: Command, number: int) -> bool:
     """Whether a number is the code of a command, or the id of a frame that has the same id for all nodes."""
-    messages = [message for message in (command.request, command.reply) if message]
-    return number == command.code or any(m.id.nodes is None and m.id.base == number & ~m.id_mask for m in messages)
+    fixed = (message for message in command.messages if message.id.nodes is None)
+    return number == command.code or any(message.id.base == number & ~message.id_mask for message in fixed)
 
 
 def _rules_of(pairs: Sequence[tuple[Edition, Command]], number: int) -> str:
     """A sentence about the addresses to which an id of one node belongs; empty without one."""
-    messages = [message for _, command in pairs for message in (command.request, command.reply) if message]
+    messages = [message for _, command in pairs for message in command.messages]
     rules = {
         f"node {node} ({formatting.id_rule(m.id)})": None
         for m in messages

@@ -71,7 +71,7 @@ def compare(command: Subject, both: Editions, old: Command, new: Command) -> Non
 
 def same_kind(old: Command, new: Command) -> bool:
     """Whether the codes are those of one kind of entry."""
-    codes = [[code_sent(m) for m in (c.request, c.reply) if m] for c in (old, new)]
+    codes = [[code_sent(m) for m in c.messages] for c in (old, new)]
     return codes[0] == codes[1] or (old.entry and old.entry.kind) == (new.entry and new.entry.kind)
 
 

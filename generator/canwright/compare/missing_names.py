@@ -74,7 +74,7 @@ def _users(edition: Edition) -> dict[DocumentPath, frozenset[str]]:
     """The commands that use an item, by its path."""
     users: dict[DocumentPath, set[str]] = defaultdict(set)
     for command in edition.commands:
-        layouts = [message.layout for message in (command.request, command.reply) if message is not None]
+        layouts = [message.layout for message in command.messages]
         tables = [command.entry.path] if command.entry else []
         used: Iterable[DocumentPath] = (
             command.path,
@@ -83,7 +83,7 @@ def _users(edition: Edition) -> dict[DocumentPath, frozenset[str]]:
             *(field.type.path for layout in layouts for field in layout.fields),
             *(("effects", effect.name) for effect in command.effects),
             *(("settings", setting.name) for setting in (*command.limited_by, *command.not_limited_by)),
-            *(("addresses", message.address) for message in (command.request, command.reply) if message is not None),
+            *(("addresses", message.address) for message in command.messages),
         )
         for path in used:
             users[path[:2]].add(command.spec_name)

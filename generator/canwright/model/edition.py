@@ -93,7 +93,7 @@ class Edition:
         """The errata that affect a command: its own and those of the entry, layouts and types it uses."""
         if not self.errata:
             return ()
-        messages = [m for m in (command.request, command.reply) if m is not None]
+        messages = command.messages
         paths = [command.path, *(path for m in messages for path in (m.path, m.layout.path))]
         paths += [path for m in messages for f in m.layout.fields for path in (f.path, f.type.path)]
         paths += [command.entry.path] if command.entry else []

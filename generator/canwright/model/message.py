@@ -351,6 +351,11 @@ class Command:
         return self.replies[0].message if self.replies else None
 
     @property
+    def messages(self) -> tuple[Message, ...]:
+        """The request and the first reply, if there are any."""
+        return tuple(message for message in (self.request, self.reply) if message is not None)
+
+    @property
     def further_replies(self) -> tuple[Reply, ...]:
         """The replies that follow the first one, each of another command."""
         return tuple(reply for reply in self.replies[1:] if not reply.is_alternative)

@@ -68,7 +68,7 @@ def with_limits_of_ids(
     commands: Iterable[Command],
 ) -> tuple[Parameter, ...]:
     """The parameters; those in ids and constants are whole numbers that fit there."""
-    messages = [m for c in commands for m in (c.request, c.reply) if m is not None and m.command == c.name]
+    messages = [m for c in commands for m in c.messages if m.command == c.name]
     largest: dict[str, int] = {}
     for use in (*_in_addresses(spec, addresses, messages), *_in_constants(messages)):
         parameter, written = parameters[use.parameter], spec.parameters[use.parameter].number

@@ -73,7 +73,7 @@ class Examples:
 
         None without a request or a reply, and where these raw integers are invalid or the reply does not answer.
         """
-        nodes = next((m.id.nodes for m in (command.request, command.reply) if m and m.id.nodes), range(1))
+        nodes = next((message.id.nodes for message in command.messages if message.id.nodes), range(1))
         request, reply = (self._simplest(command.message(direction), nodes[0]) for direction in Direction)
         if request is None or reply is None or not self._answers(request, reply):
             return None

@@ -13,7 +13,7 @@ from canwright.model.types import Encoding
 from canwright.semantics.plan import message_plan
 from canwright.targets.base import EditionInput
 from canwright.targets.c.choices import enumerator_numbers
-from canwright.targets.c.cxx import CxxView, FieldView
+from canwright.targets.c.cpp.header import CxxView, FieldView
 from canwright.targets.c.names import layouts, member
 from canwright.targets.c.target import CTarget
 from canwright.targets.c.view import edition_view

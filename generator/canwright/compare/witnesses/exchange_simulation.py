@@ -46,7 +46,7 @@ class _Case(NamedTuple):
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        layouts = [m.layout.parameter for c in self.both for m in (c.request, c.reply) if m is not None]
+        layouts = [m.layout.parameter for c in self.both for m in c.messages]
         return tuple(dict.fromkeys((*(p for p in layouts if p), *(p for c in self.both for p in c.only))))
 
 
@@ -419,11 +419,10 @@ class ExchangeSimulation:
         """What decides whether a reply answers a request."""
         for command in case.both:
             yield (*command.path, "reply", "from_each")
-            for message in (command.request, command.reply):
-                if message is not None:
-                    yield from paths.of_identity(command, message)
-                    yield from paths.of_id(command, message)
-                    yield from paths.of_node(message)
+            for message in command.messages:
+                yield from paths.of_identity(command, message)
+                yield from paths.of_id(command, message)
+                yield from paths.of_node(message)
 
     def _sent(self, transfer: _Transfer, trial: _Trial) -> SentenceArgument:
         message, encoder = transfer.sent, transfer.encoder

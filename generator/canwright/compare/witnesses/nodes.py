@@ -15,7 +15,7 @@ class Nodes:
         self._of: dict[Message, Sequence[int] | None] = {}
         for edition in editions:
             for command in edition.commands:
-                for message in filter(None, (command.request, command.reply)):
+                for message in command.messages:
                     self._of.setdefault(message, _nodes(edition, command, message))
 
     def of(self, message: Message) -> Sequence[int] | None:
@@ -32,6 +32,6 @@ def _nodes(edition: Edition, command: Command, message: Message) -> Sequence[int
     if message.id.nodes is not None or bits is None:
         return message.id.nodes
     address = edition.address(message.address)
-    rules = [frame.id for frame in (command.request, command.reply) if frame is not None]
-    ranges = (rule.nodes for rule in (*rules, address.request, address.reply))
+    rules = (*(frame.id for frame in command.messages), address.request, address.reply)
+    ranges = (rule.nodes for rule in rules)
     return next((nodes for nodes in ranges if nodes is not None), range(1 << bits.width))

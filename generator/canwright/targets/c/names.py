@@ -33,9 +33,6 @@ FD = "canwright_fd.h"
 TEXT = "canwright_text.h"
 """The header for editions with texts or decimal digits."""
 
-SHARED_CXX = ("canwright.hpp",)
-"""Those of C++."""
-
 PARTS = ("", "_float", "_print")
 """The endings of the names of the headers of an edition."""
 

@@ -15,10 +15,11 @@ from ...model.formatting import english
 from ...templating.environment import environment
 from ..base import PACKAGE_VERSION, CodeExample, EditionInput, Output, WorkedExchange
 from .choices import enumerator_numbers
-from .cxx import CxxExample, CxxView
+from .cpp import SHARED_CXX
+from .cpp.header import CxxExample, CxxView
 from .examples import CommandExample, ExampleView
 from .expressions import operand
-from .names import FD, PARTS, SHARED, SHARED_CXX, TEXT, member
+from .names import FD, PARTS, SHARED, TEXT, member
 from .selftest import SelfTest, has_self_test
 from .text import arguments, comment, defines, fold, in_comment, paragraph
 from .view import EditionView, edition_view
@@ -136,7 +137,8 @@ def _headers(
 ) -> Iterator[Output]:
     """The headers of a family, and those through which Arduino finds them."""
     lines = "".join(f"/* {line} */\n" for line in family.headers)
-    files = {file: lines + _runtime(file) for file in (*SHARED, *SHARED_CXX)}
+    files = {file: lines + _runtime(file) for file in SHARED}
+    files[SHARED_CXX.name] = lines + SHARED_CXX.read_text("utf-8")
     if any(view.fd for _, view in editions):
         files |= {FD: lines + _runtime(FD), "canwright_fd_selftest.h": lines + _fd_self_test()}
     if any(view.has_joined for _, view in editions):
@@ -145,7 +147,7 @@ def _headers(
         for part in PARTS:
             files[f"{view.file}{part}.h"] = fold(env.get_template(f"edition{part}.h.j2").render(e=view))
         files[f"{view.file}.hpp"] = fold(
-            env.get_template("edition.hpp.j2").render(e=view, x=CxxView(item.edition, view))
+            env.get_template("cpp/edition.hpp.j2").render(e=view, x=CxxView(item.edition, view))
         )
         if item.frames is not None and has_self_test(item):
             test = SelfTest(item.edition, item.frames, view)

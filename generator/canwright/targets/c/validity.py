@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -50,28 +50,34 @@ def valid(names: Names, type_: Type) -> Choice[Condition] | None:
 
 def _condition(type_: Type, raws: ValidRaws | None) -> Condition:
     """The condition for a valid raw integer, without the limits of its C type."""
-    depends = isinstance(raws, RawInterval) and bool(raws.low_bound or raws.high_bound)
-    if isinstance(raws, RawInterval) and raws.no_values:
-        return _with_names(type_, raws, depends)
-    every = list(_conditions(type_, raws))
-    if not every:
-        return ALWAYS
-    condition = joined("&&", [joined("||", some) for some in every])
-    nan = [is_nan(type_, "raw")] if type_.no_values else []
-    return Condition(joined("||", [condition, *nan]), depends)
-
-
-def _with_names(type_: Type, raws: RawInterval, depends: bool) -> Condition:
-    """The condition for a number within its limits, or for a raw integer without a value."""
     kind = integer(type_)
-    numbers = [] if depends else [range(raws.low, raws.high + 1)]
-    terms = [joined("&&", _between(kind, run[0], run[-1])) for run in merged((*numbers, *raws.no_values))]
-    if "" in terms:
-        return ALWAYS
-    if depends:
-        every = [joined("||", some) for some in _conditions(type_, raws)]
-        terms.insert(0, joined("&&", every))
-    return Condition(joined("||", terms), depends)
+    if isinstance(raws, RawInterval):
+        return _within(kind, raws)
+    terms: list[str] = []
+    if isinstance(raws, NamedRaws):
+        terms = [joined("||", [within_run(kind, run) for run in raws.runs])]
+    elif isinstance(raws, FlagBits):
+        unnamed = ((1 << kind.width) - 1) & ~raws.mask
+        source = f"({kind.unsigned.name})raw" if kind.signed else "raw"
+        terms = [f"({source} & {kind.bits(unnamed)}) == 0u"] if unnamed else []
+    elif raws is not None and raws.scaled is not None:
+        for bound, sign, is_low in ((raws.scaled.low, ">=", True), (raws.scaled.high, "<=", False)):
+            order = kind.bits(_order(type_.width, bound.constant, up=is_low))
+            terms.append(f"canwright_order{type_.width}(raw.bits) {sign} {order}")
+    nan = [is_nan(type_, "raw")] if type_.no_values else []
+    return Condition(joined("||", [joined("&&", terms), *nan]), uses_parameters=False) if terms else ALWAYS
+
+
+def _within(kind: Integer, raws: RawInterval) -> Condition:
+    """The condition for a number within its limits, or for a raw integer without a value."""
+    bounds = ((raws.low_bound, True), (raws.high_bound, False))
+    dependent = [joined("||", _dependent(kind, bound, is_low)) for bound, is_low in bounds if bound is not None]
+    numbers = [] if dependent else [range(raws.low, raws.high + 1)]
+    runs = merged((*numbers, *raws.no_values))
+    terms = [joined("&&", _between(kind, run.start, run.stop - 1)) for run in runs]
+    if dependent:
+        terms.insert(0, joined("&&", [*_between(kind, raws.low, raws.high), *dependent]))
+    return ALWAYS if "" in terms else Condition(joined("||", terms), uses_parameters=bool(dependent))
 
 
 def has_value(type_: Type) -> str:
@@ -87,30 +93,6 @@ def is_nan(type_: Type, subject: str) -> str:
     """The condition for NaN in a member or an argument."""
     kind, bits = integer(type_), type_.no_values[0].raws
     return f"({raw_of(type_, subject)} & {kind.bits(bits[-1])}) >= {kind.bits(bits[0])}"
-
-
-Alternatives = tuple[str, ...]
-"""Conditions of which at least one must be true."""
-
-
-def _conditions(type_: Type, raws: ValidRaws | None) -> Iterator[Alternatives]:
-    kind = integer(type_)
-    if isinstance(raws, NamedRaws):
-        yield tuple(within_run(kind, run) for run in raws.runs)
-    elif isinstance(raws, FlagBits):
-        unnamed = ((1 << kind.width) - 1) & ~raws.mask
-        source = f"({kind.unsigned.name})raw" if kind.signed else "raw"
-        yield from [(f"({source} & {kind.bits(unnamed)}) == 0u",)] if unnamed else []
-    elif isinstance(raws, RawInterval):
-        yield from ((end,) for end in _between(kind, raws.low, raws.high))
-        for bound, is_low in ((raws.low_bound, True), (raws.high_bound, False)):
-            if bound is not None:
-                yield _dependent(kind, bound, is_low)
-    elif raws is not None and raws.scaled is not None:
-        ends = ((raws.scaled.low, ">=", True), (raws.scaled.high, "<=", False))
-        for bound, sign, is_low in ends:
-            order = kind.bits(_order(type_.width, bound.constant, up=is_low))
-            yield (f"canwright_order{type_.width}(raw.bits) {sign} {order}",)
 
 
 def constant_limits(type_: Type) -> tuple[int, int]:
@@ -163,7 +145,8 @@ def _factors(bound: Bound) -> tuple[int, int, int]:
     return Linear(bound.coefficient, bound.constant).as_quotient
 
 
-def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Alternatives:
+def _dependent(kind: Integer, bound: Bound, is_low: bool) -> Sequence[str]:
+    """The conditions of which one must be true for an end that depends on a parameter."""
     ratio = parameter_access(bound.parameter or "")
     function, sign = ("canwright_ceiling", ">=") if is_low else ("canwright_floor", "<=")
     limit = f"{function}(&{ratio}, {', '.join(INT64.literal(n) for n in _factors(bound))})"

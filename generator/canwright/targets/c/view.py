@@ -31,7 +31,7 @@ class CommandView:
 
     def __init__(self, messages: Messages, command: Command) -> None:
         names = messages.names
-        own = [m for m in (command.request, command.reply) if m is not None and m.command == command.name]
+        own = [message for message in command.messages if message.command == command.name]
         code = names.upper(command.name, "code"), f"0x{command.code or 0:02X}u", "Identifies the command in a frame."
         self.name, self.enumerator = command.name, names.command(command.name)
         self.number = f"0x{messages.numbers[command.name]:02X}"
@@ -192,8 +192,8 @@ def _command_doc(edition: Edition, command: Command) -> list[str]:
         paragraphs.append("The manual says that this is not implemented yet.")
     if command.reply_within_ms is not None:
         paragraphs.append(f"Maximum time from request to reply: {formatting.exact(command.reply_within_ms)} ms.")
-    for message in (command.request, command.reply):
-        if message is not None and message.command == command.name and message.sending is not None:
+    for message in command.messages:
+        if message.command == command.name and message.sending is not None:
             paragraphs.append(f"Timing of the {message.direction.value}: {formatting.sending(message.sending)}.")
     if command.only:
         paragraphs.append(f"Only {formatting.condition(command.only)}.")

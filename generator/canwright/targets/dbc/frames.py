@@ -132,7 +132,7 @@ def frames(edition: Edition, direction: Direction, assignment: Assignment) -> Se
 @functools.lru_cache(maxsize=16)
 def _frames(edition: Edition, direction: Direction, commands: Sequence[Command]) -> Sequence[Frame]:
     """The frames of some commands; cached, as most values of parameters allow the same commands."""
-    used = {message for command in commands for message in (command.request, command.reply)}
+    used = {message for command in commands for message in command.messages}
     by_id: dict[tuple[IdRule, int], list[Part]] = {}
     for part in _parts(edition, direction):
         if part.message in used:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from ...language.units import read_units
 from ...model import formatting
 from ...model.edition import Edition
 from ...model.layout import Field
-from ...model.message import Command, Direction, IdRule, Message
+from ...model.message import Command, Direction, IdRule
 from ...model.metadata import Mode
 from ...model.types import Encoding, Parameter, Type
 from ...templating import resources
@@ -151,15 +151,6 @@ def _commands(edition: Edition) -> Iterator[Record]:
                 }
 
 
-def _messages(
-    commands: Iterable[Command], directions: Iterable[Direction] = Direction
-) -> Iterator[tuple[Command, Message]]:
-    for command in commands:
-        for message in (command.message(direction) for direction in directions):
-            if message is not None:
-                yield command, message
-
-
 def _ids(edition: Edition) -> Iterator[Record]:
     """The rules between nodes and ids: a search computes the node of an id."""
     by_rule: dict[IdRule, Record] = {}
@@ -185,15 +176,15 @@ def _ids(edition: Edition) -> Iterator[Record]:
 def _fields(edition: Edition) -> Iterator[Record]:
     """Fields that differ in name, title or unit, with their rows in the pages of all commands that have them; requests first."""
     by_key: dict[tuple[object, ...], tuple[Field, dict[str, str]]] = {}
-    for direction in Direction:
-        for command, message in _messages(edition.commands, [direction]):
-            for field in message.layout.fields:
-                if not is_available(message.layout, field, command):
-                    continue
-                unit = field.type.unit
-                key = (field.name, field.manual_name, *field.title.items(), unit.name if unit else "")
-                row = f"{COMMANDS}{command.spec_name}#{field_anchor(command, direction, field)}"
-                by_key.setdefault(key, (field, {}))[1].setdefault(page_of(command), row)
+    shown = [(command, message) for command in edition.commands for message in command.messages]
+    for command, message in sorted(shown, key=lambda pair: pair[1].direction is Direction.REPLY):
+        for field in message.layout.fields:
+            if not is_available(message.layout, field, command):
+                continue
+            unit = field.type.unit
+            key = (field.name, field.manual_name, *field.title.items(), unit.name if unit else "")
+            row = f"{COMMANDS}{command.spec_name}#{field_anchor(command, message.direction, field)}"
+            by_key.setdefault(key, (field, {}))[1].setdefault(page_of(command), row)
     for field, rows in by_key.values():
         yield {
             "kind": "field",
@@ -243,8 +234,8 @@ def _types(edition: Edition) -> Iterator[Record]:
     """Types with names and their values; values of other types are on the pages of the commands that have them."""
     of_type: dict[Type, list[str]] = {}
     printed: dict[Type, set[str]] = {}
-    for command, message in _messages(edition.commands):
-        for field in message.layout.fields:
+    for command in edition.commands:
+        for field in (field for message in command.messages for field in message.layout.fields):
             of_type.setdefault(field.type, []).append(page_of(command))
             printed.setdefault(field.type, set()).add(field.manual_name)
     for type_ in dict.fromkeys((*edition.types, *of_type)):

@@ -71,10 +71,8 @@ class Numbers(NamedTuple):
 def rows(shown: Shown) -> Iterator[Row]:
     """The rows of an edition."""
     for command in shown.edition.commands:
-        for direction in Direction:
-            message = command.message(direction)
-            if message is not None:
-                yield from rows_of(shown, command, message)
+        for message in command.messages:
+            yield from rows_of(shown, command, message)
 
 
 def rows_of(shown: Shown, command: Command, message: Message) -> Iterator[Row]:

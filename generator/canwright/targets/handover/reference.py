@@ -10,7 +10,7 @@ from typing import Any
 
 from ...model import formatting
 from ...model.golden_frames import Value
-from ...model.message import Command, Direction, EchoReply, OtherReply
+from ...model.message import Command, Direction, EchoReply, Message, OtherReply
 from ..base import EditionInput
 from . import matrix, sheets, spreadsheets
 from .matrix import Cell, Row
@@ -112,32 +112,32 @@ class _Reference:
             "title": f"{code}{command.title[self._language]}",
             "texts": [text for text in texts if text],
             "facts": [labels["condition"].format(labels[name], text) for name, text in facts.items() if text],
-            "messages": [self._message(command, d) for d in Direction if command.message(d) is not None],
+            "messages": [self._message(command, message) for message in command.messages],
         }
 
-    def _message(self, command: Command, direction: Direction) -> Mapping[str, Any]:
+    def _message(self, command: Command, message: Message) -> Mapping[str, Any]:
         """Where and how a message is sent, and its fields: a table, or the name of the layout that several messages have."""
-        rows = self._rows[command.name, self._labels[direction.value]]
+        direction = self._labels[message.direction.value]
+        rows = self._rows[command.name, direction]
         start = rows[0]
         keys = [f"{row.position} = {spreadsheets.shown(row.fixed)}" for row in rows if not row.field and row.position]
         facts = [start.id, start.nodes and f"{self._labels['nodes']} {start.nodes}", start.frame, *keys, start.answer]
-        content = self._content(command, direction)
+        content = self._content(command, message)
         name = self._layouts.get(content, "")
         return {
-            "direction": self._labels[direction.value],
+            "direction": direction,
             "facts": self._shown.list(str(fact) for fact in facts),
             "layout": name,
             "rows": [] if name else content,
-            "examples": self._examples(command, direction),
+            "examples": self._examples(command, message.direction),
         }
 
-    def _content(self, command: Command, direction: Direction) -> Content:
+    def _content(self, command: Command, message: Message) -> Content:
         """The fields of a message, none of one that repeats another; those of a shared layout for every parameter value."""
-        message = command.message(direction)
         repeats = (reply for reply in command.replies if isinstance(reply, EchoReply | OtherReply))
-        if message is None or (direction is Direction.REPLY and any(repeats)):
+        if message.direction is Direction.REPLY and any(repeats):
             return ()
-        rows: Iterable[Row] = self._rows[command.name, self._labels[direction.value]]
+        rows: Iterable[Row] = self._rows[command.name, self._labels[message.direction.value]]
         if message.layout.shared:
             rows = matrix.rows_of(self._shown, replace(command, only={}), message)
         return tuple(self._field(row) for row in rows if row.field)
@@ -178,10 +178,8 @@ class _Reference:
         """The contents that several messages have, by the name of their layout; a number distinguishes variants."""
         users: dict[Content, list[str]] = {}
         for command in self._edition.commands:
-            for direction in Direction:
-                message = command.message(direction)
-                if message is not None:
-                    users.setdefault(self._content(command, direction), []).append(message.layout.name)
+            for message in command.messages:
+                users.setdefault(self._content(command, message), []).append(message.layout.name)
         shared = {content: names[0] for content, names in users.items() if content and len(names) > 1}
         seen: list[str] = []
         named = {}

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from ...model.edition import Edition
-from ...model.formatting import english, further_replies
-from ...model.layout import Layout
-from ...model.message import Direction, Message
-from ...model.types import Parameter, Type
-from . import messages as c
-from .conversions import ConversionView
-from .examples import ExchangeView
-from .layouts import MemberView
-from .names import RESERVED, Names, layouts, member
-from .types import TypeView
-from .view import EditionView
+from ....model.edition import Edition
+from ....model.formatting import english, further_replies
+from ....model.layout import Layout
+from ....model.message import Direction, Message
+from ....model.types import Parameter, Type
+from .. import messages as c
+from ..conversions import ConversionView
+from ..examples import ExchangeView
+from ..layouts import MemberView
+from ..names import RESERVED, Names, layouts, member
+from ..types import TypeView
+from ..view import EditionView
 
 OWN_NAMES = (
     *("frame", "status", "parameters", "command", "field", "type", "layout", "any_request", "any_reply", "result"),
