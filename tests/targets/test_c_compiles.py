@@ -261,6 +261,19 @@ def test_without_exchanges_there_are_no_examples(tmp_path: Path) -> None:
     assert "examples" not in (folder / "README.md").read_text("utf-8")
 
 
+def test_the_readme_shows_the_parameters_of_the_first_edition_that_has_any(tmp_path: Path) -> None:
+    scaled = MINIMAL.replace("family: lamp", "family: motor").replace("scale: 0.1", "scale: 2/65535*size")
+    texts = (
+        MINIMAL,
+        f"{scaled.replace(', raw_range: 0..1000', '')}parameters: {{size: {{number: {{}}, title: Largest value}}}}\n",
+    )
+    specs = [tmp_path / f"{i}.yaml" for i in range(len(texts))]
+    for spec, text in zip(specs, texts, strict=True):
+        spec.write_text(text, "utf-8")
+    readme = (write([specification(spec) for spec in specs], tmp_path / "c") / "README.md").read_text("utf-8")
+    assert "const motor_v1_parameters_t node_1 = {\n    .size = {6, 1u},\n};" in readme
+
+
 def cmake(*arguments: str | Path) -> str:
     """The output of the CMake of PyPI, with the Ninja and the compilers of PyPI where it configures."""
     command = [sys.executable, "-c", "import cmake; cmake.cmake()", *map(str, arguments)]

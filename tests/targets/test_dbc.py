@@ -573,3 +573,29 @@ def test_example_of_the_guide_is_complete(folder: Path) -> None:
     guide = (folder / "README.md").read_text("utf-8")
     assert "cantools decode mwd_motor-v2.35-MG-reply.dbc" in guide
     assert "# 143#a501000039300000" in guide
+
+
+def test_the_file_of_a_table_has_its_read_only_entries_too(tmp_path: Path) -> None:
+    """The index alone identifies the request of such an entry, the opcode is a constant."""
+    spec = tmp_path / "v1.yaml"
+    spec.write_text(
+        """\
+canwright: 1
+family: lamp
+edition: v1
+addresses: {lamp: {id: node << 5, nodes: 1..4}}
+selector: {at: id.0, raw: u5}
+tables:
+  values:
+    index: {at: 1, raw: u16}
+    entries:
+      supply: {index: 1, commands: [read], layout: {value: {at: 4, raw: f32}}}
+      limit: {index: 2, layout: {value: {at: 4, raw: f32}}}
+commands:
+  read: {code: 4, table: values, request: {opcode: {at: 0, raw: u8, constant: 0}}, reply: {code: 5, layout: entry}}
+  write: {code: 4, table: values, request: {layout: entry, fields: {opcode: {at: 0, raw: u8, constant: 1}}}, reply: none}
+""",
+        "utf-8",
+    )
+    text = made(spec)["lamp-v1-values.dbc"]
+    assert set(re.findall(r"SG_ \w+ m(\d+) ", text)) == {"256", "512", "513"}

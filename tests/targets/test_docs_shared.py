@@ -91,3 +91,17 @@ def test_a_float_has_a_unit_but_no_resolution(tmp_path: Path) -> None:
     texts = {output.path: output.text for output in DocsTarget().generate([specification(spec)], {})}
     assert "| `f32` | `A` |" in _row(texts["en/v1/commands/both.md"], "level")
     assert "1 A" not in texts["en/v1/commands/both.md"] + texts["en/v1/types.md"]
+
+
+def test_the_one_id_of_all_replies_is_not_the_code_of_a_command(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.yaml"
+    spec.write_text(
+        "canwright: 1\nfamily: lamp\nedition: v1\n"
+        "addresses: {lamp: {request: node, reply: 0, nodes: 1..4}, all_lamps: {request: 0x10, reply: node, nodes: 1..4}}\n"
+        "commands:\n  dim: {request: {level: {at: 0, raw: u16}}, reply: {lamp: {at: 0, raw: u8, holds: node}}}\n"
+        "  find: {address: all_lamps, request: {dlc: 0}, reply: {layout: {state: {at: 0, raw: u8}}, from_each: 1..4}}\n",
+        "utf-8",
+    )
+    texts = {output.path: output.text for output in DocsTarget().generate([specification(spec)], {})}
+    assert texts["en/v1/commands/dim.md"].startswith("# Dim, v1\n")
+    assert texts["en/v1/commands/find.md"].startswith("# 0x10 Find, v1\n")

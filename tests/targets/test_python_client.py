@@ -302,6 +302,15 @@ def test_a_node_that_does_not_confirm_its_stop_is_named(bench: Make) -> None:
     assert bus.sent()[0] == "142 81"
 
 
+def test_a_node_without_a_request_that_stops_it_is_named(bench: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    bus = bench()
+    monkeypatch.delitem(bus.edition.client_facts.ends_motion, "stop")
+    says = r"no request ends the motion of nodes with on_exit='stop', so they may still move: \[2\]"
+    with pytest.warns(UserWarning, match=says) as warned, bus.client(allow="motion") as client:
+        client.request(bus.torque(2))
+    assert len(warned) == 1
+
+
 def test_a_full_queue_and_a_lost_bus_are_outcomes(bench: Make) -> None:
     bus, full = bench(), can.CanOperationError("Transmit buffer full", error_code=errno.ENOBUFS)
     module = bus.client_module

@@ -527,10 +527,14 @@ class ClientCore:
         return self.unsolicited.popleft()
 
     async def _close(self) -> None:
-        """Stops the nodes that were moved, and stops reading. Warns of each node that does not confirm it."""
+        """Stops the nodes that were moved, and stops reading. Warns of each node that does not confirm it, or cannot be stopped."""
         jobs: list[_Job] = []
-        for node in [self.nodes[number] for number in self._moved if self._lost is None]:
-            if stop := node.edition.client_facts.ends_motion.get(ON_EXIT[self._on_exit]):
+        lacking: list[int] = []
+        for node in [self.nodes[number] for number in sorted(self._moved)]:
+            stop = node.edition.client_facts.ends_motion.get(ON_EXIT[self._on_exit])
+            if stop is None:
+                lacking.append(node.node)
+            elif self._lost is None:
                 jobs.append(self._job(node, node.make(stop)))
                 jobs[-1].tries, jobs[-1].at_once = STOP_TRIES, True
         if jobs:
@@ -538,9 +542,14 @@ class ClientCore:
         if self._notifier:
             self._notifier.remove_listener(self._reader)
             self._notifier = None
-        unconfirmed, self._moved = sorted(self._moved), set()
-        if unconfirmed and self._on_exit != "nothing":
+        unconfirmed, self._moved = sorted(self._moved.difference(lacking)), set()
+        if unconfirmed:
             warnings.warn(f"nodes did not confirm {self._on_exit}, and may still move: {unconfirmed}", stacklevel=2)
+        if lacking and self._on_exit != "nothing":
+            text = (
+                f"no request ends the motion of nodes with on_exit={self._on_exit!r}, so they may still move: {lacking}"
+            )
+            warnings.warn(text, stacklevel=2)
 
 
 def _variables(writes: Iterable[type[Message]]) -> set[str]:

@@ -136,6 +136,19 @@ def _encoded(
         at = next(i for i, (encoded, listed) in enumerate(zip(sent.data, can.data, strict=True)) if encoded != listed)
         text = f"DATA[{at}] is 0x{can.data[at]:02X}, but an encoder writes 0x{sent.data[at]:02X}"
         yield ("data",), text, _CHECK_LAYOUT
+    elif frame.values.keys() == frame.raw.keys():
+        yield from _sent_otherwise(fields, frame)
+
+
+def _sent_otherwise(fields: Mapping[str, Field], frame: GoldenFrame) -> Iterator[EntryProblem]:
+    """Names without a value that have several raw integers, of which an encoder writes another one than the frame has."""
+    for name, raw in frame.raw.items():
+        for element in raw if isinstance(raw, list) else [raw]:
+            no_value = fields[name].type.no_value(element)
+            if no_value is not None and element != no_value.value:
+                own, written = formatting.constant(element), formatting.constant(no_value.value)
+                text = f"`{name}` is {own} in `data`, but an encoder writes {written} for `{no_value.name}`"
+                yield ("values", name), text, "add decode_only: true"
 
 
 _CHECKED = {

@@ -90,8 +90,9 @@ def files(specifications: Sequence[EditionInput]) -> Iterator[Output]:
     e, x = shown[0]
     cxx = CxxView(views[0][0].edition, e)
     y = CxxExample(cxx, x.exchanges[0]) if x.exchanges else None
+    parametric = next((view for _, view in views if view.parameters), e)
     for file in (*PACKAGES, *(["examples/CMakeLists.txt"] * has_examples)):
-        yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x, cxx=cxx, y=y))
+        yield Output(file, env.get_template(f"{file}.j2").render(e=e, x=x, cxx=cxx, y=y, parametric=parametric))
 
 
 def declared(edition: Edition) -> frozenset[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from ...model.edition import Edition
@@ -83,7 +83,9 @@ class _Files:
         self._shared = set.intersection(*ids)
         used = tuple(direction for direction in KIND if every_frame[direction])
         self._groups = [(direction,) for direction in used] if self._shared else [used]
-        self._tables = table_names(part for listed in every_frame.values() for frame in listed for part in frame.parts)
+        self._tables = table_names(
+            [part for listed in every_frame.values() for frame in listed for part in frame.parts]
+        )
 
     def combinations(self) -> Iterator[tuple[Assignment, tuple[Direction, ...]]]:
         """The parameter values and the directions of the files of the first selector."""
@@ -215,7 +217,7 @@ def _assignments(edition: Edition, set_parameters: Assignment) -> Iterator[Mappi
     return map(dict, itertools.product(*choices))
 
 
-def parts_of_tables(parts: Iterable[Part]) -> Mapping[tuple[str, range], Sequence[Part]]:
+def parts_of_tables(parts: Sequence[Part]) -> Mapping[tuple[str, range], Sequence[Part]]:
     """The parts whose selectors can be read as one number, by their table and the bits of the selectors.
 
     Without a table, the names of the selectors after the first take its place.
@@ -226,10 +228,17 @@ def parts_of_tables(parts: Iterable[Part]) -> Mapping[tuple[str, range], Sequenc
             entry = part.command.entry
             table = entry.table if entry else "-".join(key.name for key, _ in part.selectors[1:])
             grouped.setdefault((table, part.joined_span), []).append(part)
+    # With those of the table that need fewer selectors, such as read-only ones.
+    for (table, span), joined in grouped.items():
+        joined += [p for p in parts if p.joined_span is None and _has_table(p, table) and p.is_fixed(span)]
     return grouped
 
 
-def table_names(parts: Iterable[Part]) -> Mapping[tuple[str, range], str]:
+def _has_table(part: Part, table: str) -> bool:
+    return part.command.entry is not None and part.command.entry.table == table
+
+
+def table_names(parts: Sequence[Part]) -> Mapping[tuple[str, range], str]:
     """A unique name for each table, as in `stored-settings`.
 
     Entries of a table with longer selectors than others need a file of their own. The file with most entries, or with

@@ -68,8 +68,11 @@ class Part:
         """
         bits = self.selector_bits
         span = range((bits & -bits).bit_length() - 1, bits.bit_length())
-        is_fixed = len(self.selectors) > 1 and all(self.fixed.mask >> bit & 1 for bit in span)
-        return span if is_fixed else None
+        return span if len(self.selectors) > 1 and self.is_fixed(span) else None
+
+    def is_fixed(self, span: range) -> bool:
+        """Whether the bits of `span` are the same in every frame."""
+        return all(self.fixed.mask >> bit & 1 for bit in span)
 
     def joined_value(self, span: range) -> int:
         """The number in `span` in every frame of this part."""

@@ -64,9 +64,11 @@ def code_of(command: Command) -> str:
 
 
 def codes(command: Command) -> Sequence[str]:
-    """The code of a command; without one, the ids of its messages that no node is part of."""
+    """The code of a command; without one, the ids of its messages that no node is part of, unless nodes are asked by id."""
     if command.code is not None:
         return [code_of(command)]
+    if command.request and command.request.id.nodes is not None:
+        return []
     messages = [message for message in map(command.message, Direction) if message is not None]
     return sorted({formatting.id_rule(m.id) for m in messages if m.id.nodes is None and not m.id_mask})
 
