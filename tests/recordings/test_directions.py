@@ -13,7 +13,7 @@ from canwright.model.message import Direction
 from canwright.project.loader import specification
 from canwright.recordings.directions import DecidedBy, DirectedFrame, Directions
 from canwright.recordings.doubts import doubts
-from canwright.recordings.frame_classes import WINDOW
+from canwright.recordings.frame_classes import WINDOW, FrameClasses
 from canwright.recordings.log_frame import LogFrame, Mark
 from canwright.recordings.rows import RowReader
 from canwright.recordings.summary import Summary
@@ -285,6 +285,17 @@ def test_a_recorder_at_the_node_sends_replies() -> None:
     log = with_marks(Traffic(MOTOR, "mixed", 3).frames(20))
     judged = judge(MOTOR, [sent.recorded for sent in log], recorder=Direction.REPLY)
     assert all(frame.direction is not sent.direction for frame, sent in zip(judged, log, strict=True))
+
+
+def test_memory_does_not_grow_with_random_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("canwright.recordings.frame_classes.MAX_CLASSES", 1 << 6)
+    chance, classes = random.Random(1), FrameClasses(EDITIONS["mwd_motor/v2.36-2025-03"])
+    tracemalloc.start()
+    for number in range(4000):
+        classes.of(CanFrame(0x141 + number % 100, chance.randbytes(8)))
+    size = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    assert size < 400_000
 
 
 def test_memory_does_not_grow_with_the_log() -> None:

@@ -24,8 +24,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ..model.edition import Edition
 from ..model.message import Direction
-from ..semantics.candidates import Candidates
-from ..semantics.frame import CanFrame, node_of
+from ..semantics.frame import CanFrame
 from .frame_classes import frame_classes
 from .kept_frames import MAX_KEPT, Arrival, KeptFrames, Kind, NodeFrames
 from .log_frame import LogFrame, new_tuple
@@ -85,19 +84,14 @@ class Identifier:
     ) -> None:
         self.editions = editions
         self._classes = [frame_classes(edition) for edition in editions]
-        self._candidates = [Candidates(edition) for edition in editions]
         self._readers = [EditionReader(edition, editions, recorder, window) for edition in editions]
         self._lines: dict[tuple[str, int, bool, bool, int], _Line] = {}
         self._nodes: dict[tuple[str, int | None], NodeFrames] = {}
         self._kept = KeptFrames(kept)
         self._number = 0
-        self._foreign: Counter[tuple[int, bool, bool]] = Counter()
-        self._foreign_count = 0
-
-    @property
-    def foreign(self) -> int:
+        self._foreign_ids: Counter[tuple[int, bool, bool]] = Counter()
+        self.foreign = 0
         """The number of frames whose id belongs to no edition."""
-        return self._foreign_count
 
     def add(self, recorded: LogFrame) -> NodeFrames | None:
         """The next frame of the log; returns the frames of its node, None if its id belongs to no edition."""
@@ -107,10 +101,10 @@ class Identifier:
         self._number = number + 1
         line = self._lines.get((bus, id_, extended, remote, len(content))) or self._line(bus, frame)
         if line.key_bits is None:
-            self._foreign_count += 1
+            self.foreign += 1
             foreign = id_, extended, remote
-            if foreign in self._foreign or len(self._foreign) < MAX_FOREIGN:
-                self._foreign[foreign] += 1
+            if foreign in self._foreign_ids or len(self._foreign_ids) < MAX_FOREIGN:
+                self._foreign_ids[foreign] += 1
             return None
         key = int.from_bytes(content, "little") & line.key_bits
         kind = line.kinds.get(key) or self._kind(line, key, bus, frame)
@@ -137,7 +131,7 @@ class Identifier:
         listed = sorted(self._nodes.values(), key=lambda node: (node.bus, node.number or -1))
         results = [result for node in listed for result in self._results(node, runs.get(node, ()), busiest[node.bus])]
         nodes = tuple(_with_broadcasts(results))
-        return Identification(self._number, self._foreign_count, dict(self._foreign.most_common()), nodes)
+        return Identification(self._number, self.foreign, dict(self._foreign_ids.most_common()), nodes)
 
     def _line(self, bus: str, frame: CanFrame) -> _Line:
         """The frames with the id and length of a frame, remembered."""
@@ -153,13 +147,13 @@ class Identifier:
         if len(line.kinds) >= MAX_KNOWN:
             line.kinds.clear()
             line.of_messages.clear()
-        messages = [message for candidates in self._candidates for message in candidates.of(frame)]
+        forms = [form for classes in self._classes for form in classes.of(frame).forms]
         in_id = (number for classes in self._classes for number in classes.id_class(frame).nodes)
-        number = next((n for n in (*in_id, *(node_of(message, frame) for message in messages)) if n is not None), None)
+        number = next((n for n in (*in_id, *(form.node for form in forms)) if n is not None), None)
         node = self._nodes.get((bus, number))
         if node is None:
             node = self._nodes[bus, number] = NodeFrames(bus, number)
-        alike = (node, *messages) if messages else (node, frame.data[:1])
+        alike = (node, *(form.message for form in forms)) if forms else (node, frame.data[:1])
         kind = line.kinds[key] = line.of_messages.setdefault(alike, Kind(node))
         return kind
 
