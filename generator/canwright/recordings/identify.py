@@ -117,20 +117,24 @@ class Identifier:
         self._kept.add(new_tuple(Arrival, (number, recorded, kind)))
         return node
 
-    def results_of(self, node: NodeFrames) -> list[NodeResult]:
-        """The result of each part of the frames of a node so far."""
-        busiest = max(each.total for each in self._nodes.values() if each.bus == node.bus)
-        return self._results(node, self._runs().get(node, ()), busiest)
+    def results_of(self, *nodes: NodeFrames) -> list[NodeResult]:
+        """The result of each part of the frames of some nodes so far."""
+        busiest: Counter[str] = Counter()
+        for each in self._nodes.values():
+            busiest[each.bus] = max(busiest[each.bus], each.total)
+        listed, runs = [], self._runs()
+        for node in nodes:
+            is_stray = STRAY * node.total <= busiest[node.bus] and 2 * node.near < node.total
+            parts = [*results(node, runs.get(node, ()), self._readers)]
+            if len(parts) == 1:
+                parts = [dataclasses.replace(parts[0], total=node.total)]
+            listed += [dataclasses.replace(part, is_stray=is_stray) for part in parts]
+        return listed
 
     def result(self) -> Identification:
         """The identification of the frames so far."""
-        busiest: Counter[str] = Counter()
-        for node in self._nodes.values():
-            busiest[node.bus] = max(busiest[node.bus], node.total)
-        runs = self._runs()
-        listed = sorted(self._nodes.values(), key=lambda node: (node.bus, node.number or -1))
-        results = [result for node in listed for result in self._results(node, runs.get(node, ()), busiest[node.bus])]
-        nodes = tuple(_with_broadcasts(results))
+        ordered = sorted(self._nodes.values(), key=lambda node: (node.bus, node.number or -1))
+        nodes = tuple(_with_broadcasts(self.results_of(*ordered)))
         return Identification(self._number, self.foreign, dict(self._foreign_ids.most_common()), nodes)
 
     def _line(self, bus: str, frame: CanFrame) -> _Line:
@@ -170,13 +174,6 @@ class Identifier:
                 merged = sorted(own + to_all[node.bus], key=_NUMBER) if is_asked else own
                 runs.setdefault(node, []).append(merged)
         return runs
-
-    def _results(self, node: NodeFrames, runs: Runs, busiest: int) -> list[NodeResult]:
-        is_stray = STRAY * node.total <= busiest and 2 * node.near < node.total
-        parts = [*results(node, runs, self._readers)]
-        if len(parts) == 1:
-            parts = [dataclasses.replace(parts[0], total=node.total)]
-        return [dataclasses.replace(part, is_stray=is_stray) for part in parts]
 
 
 def _with_broadcasts(results: Sequence[NodeResult]) -> Iterator[NodeResult]:
