@@ -48,6 +48,8 @@ from .traffic import Loss, Sent, Traffic
 
 V2_35 = ROOT / "spec/mwd_motor/v2.35.yaml"
 V2_36 = ROOT / "spec/mwd_motor/v2.36-2025-03.yaml"
+BOTH_V2_35 = (f"--spec={V2_35}", f"--spec={V2_35.with_name('v2.35-2024-02.yaml')}")
+BOTH_V2_36 = (f"--spec={V2_36}", f"--spec={V2_36.with_name('v2.36-2024-11.yaml')}")
 
 # 155 * 33/2048 A = 2.49755859375 A; 48.7 V as 0.1 V and 48.72 V as 0.01 V; 32768 / 2^16 * 360 = 180 degrees
 MIXED = """\
@@ -78,8 +80,8 @@ def decode(log: str, *options: str, status: int | None = 0) -> Result:
     return run("bus.log", *options, status=status)
 
 
-def run(*arguments: str, status: int | None = 0) -> Result:
-    result = CliRunner().invoke(main, ["decode", *arguments])
+def run(*arguments: str, status: int | None = 0, stdin: str = "") -> Result:
+    result = CliRunner().invoke(main, ["decode", *arguments], input=stdin.encode())
     assert status in (None, result.exit_code), result.output
     return result
 
@@ -157,26 +159,18 @@ def test_the_edition_is_identified_for_each_node() -> None:
 
 def test_editions_that_fit_equally_well_are_all_named() -> None:
     frames = "(1.0) can0 143#9C00000000000000\n(1.0002) can0 183#9C32010002000A00\n"
-    specs = ("--spec", str(V2_36), "--spec", str(V2_36.with_name("v2.36-2024-11.yaml")))
-    result = decode(frames, *specs, "--format", "jsonl")
+    result = decode(frames, *BOTH_V2_36, "--format", "jsonl")
     assert {row["edition"] for row in json_rows(result.stdout)} == {"v2.36-2024-11|v2.36-2025-03"}
     assert "(v2.36-2025-03 fits as well, and all frames mean the same)" in result.stderr
-    decode(frames, *specs, "--set", "edition=v2.36-2024-11")
+    decode(frames, *BOTH_V2_36, "--set", "edition=v2.36-2024-11")
 
 
 def test_a_meaning_that_editions_do_not_share_is_a_finding() -> None:
     """Index 0x22 is the maximum angle in one edition, and the upper limit of the angle in the other."""
     frames = "(1.0) can0 143#C022000000000000\n(1.0002) can0 183#C02200000A000000\n"
-    specs = ("--spec", str(V2_36), "--spec", str(V2_36.with_name("v2.36-2024-11.yaml")))
-    result = decode(frames, *specs, "--format", "jsonl", status=1)
+    result = decode(frames, *BOTH_V2_36, "--format", "jsonl", status=1)
     assert {row["edition"] for row in json_rows(result.stdout)} == {"v2.36-2024-11|v2.36-2025-03"}
     assert "with other meanings of read_control_parameter; --set 3:edition=NAME decides)" in result.stderr
-
-
-def stream(log: str) -> Result:
-    result = CliRunner().invoke(main, ["decode", "-", "--format", "jsonl"], input=log.encode())
-    assert result.exit_code == 0, result.stderr
-    return result
 
 
 STATUS = "(2.{0:06}) can0 142#9A00000000000000\n(2.{0:06}) can0 142#9A3200E701000000\n"
@@ -186,7 +180,7 @@ TORQUE = "(1.{0:06}) can0 141#A10000009B000000\n(1.{0:06}) can0 141#A1329B00F401
 def test_a_node_that_appears_late() -> None:
     new = "".join(f"(3.{i:06}) can0 143#9A00000000000000\n(3.{i:06}) can0 183#9A32081364000000\n" for i in range(20))
     log = "".join((STATUS + TORQUE).format(i) for i in range(1200)) + new
-    for result in (decode(log, "--format", "jsonl"), stream(log)):
+    for result in (decode(log, "--format", "jsonl"), run("-", "--format", "jsonl", stdin=log)):
         decoded = [(row["edition"], row["fields"]) for row in json_rows(result.stdout) if row["node"] == 3]
         assert {edition for edition, _ in decoded} == {"v2.36-2025-03"}
         assert decoded[-1][1]["voltage"]["value"] == 48.72  # type: ignore[index]
@@ -194,26 +188,15 @@ def test_a_node_that_appears_late() -> None:
 
 def test_frames_of_a_stream_that_were_read_with_another_edition() -> None:
     """Two editions fit until the stream has a reply in which they differ."""
-    specs = ["--spec", str(V2_35), "--spec", str(V2_35.with_name("v2.35-2024-02.yaml"))]
     torque = "".join(TORQUE.format(i) for i in range(2000))
     status = "".join(
         f"(3.{i:06}) can0 141#9A00000000000000\n(3.{i:06}) can0 141#9A32081364000000\n" for i in range(500)
     )
-    Path("bus.log").write_text(torque + status, "utf-8")
-    result = run("bus.log", *specs, "--format", "jsonl", status=0)
+    result = decode(torque + status, *BOTH_V2_35, "--format", "jsonl")
     assert {row["edition"] for row in json_rows(result.stdout)} == {"v2.35-2024-02"}
-    arguments = ["decode", "-", *specs, "--format", "jsonl"]
-    result = CliRunner().invoke(main, arguments, input=(torque + status).encode())
-    assert result.exit_code == 1
-    rows_ = json_rows(result.stdout)
+    rows_ = json_rows(run("-", *BOTH_V2_35, "--format", "jsonl", stdin=torque + status, status=1).stdout)
     assert {str(row["edition"]) for row in rows_[:4000]} == {"v2.35|v2.35-2024-02"}
     assert rows_[-1]["edition"] == "v2.35-2024-02"
-
-
-def test_implausible_values_are_counted() -> None:
-    log = MIXED + "(1.1) can0 142#9A00000000000000\n(1.1002) can0 142#9A32003200000000\n"
-    text = decode(log, *SETTINGS, status=1).stdout
-    assert "  1 implausible: `voltage` is outside 6..100 V, as 5.0 V in 142#9A32003200000000" in text
 
 
 def test_differences_of_times_and_times_that_cannot_be_read_are_stated() -> None:
@@ -349,21 +332,6 @@ def test_a_split_log_has_the_rows_of_the_log(suffix: str, spec: Path, only: Sequ
         assert read == written
 
 
-def test_the_requests_of_a_split_log_are_read_alone() -> None:
-    decode(MIXED, *SETTINGS, "--split", "split.log")
-    requests = [line for line in Path("split.log").read_text("ascii").splitlines() if "can1" in line or "can4" in line]
-    Path("requests.log").write_text("\n".join(requests) + "\n", "ascii")
-    settings = [setting.replace("can0:", "1:") for setting in SETTINGS]
-    rows = json_rows(run("requests.log", "--from-split", *settings, "--format", "jsonl").stdout)
-    assert [(row["bus"], row["node"], row["direction"], row["command"]) for row in rows] == [
-        ("1", 1, "request", "set_torque"),
-        ("2", 3, "request", "read_status_1"),
-        ("1", 2, "request", "read_status_1"),
-    ]
-    message = "`can0` is no channel of a file that --split writes; omit --from-split"
-    assert message in decode(MIXED, "--from-split", status=2).stderr
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -382,11 +350,6 @@ def test_the_requests_of_a_split_log_are_read_alone() -> None:
 def test_a_line_that_is_pasted_is_explained(text: str) -> None:
     output = run(text, "--spec", str(V2_35)).stdout
     assert output.startswith("141#9A00000000000000\n") and "request of read_status_1 to node 1" in output
-
-
-@pytest.mark.parametrize("text", ["bus2.log", "141 9G", "141", "9" * 300])
-def test_a_text_without_a_frame_is_the_name_of_a_file(text: str) -> None:
-    assert "does not exist" in run(text, status=2).output
 
 
 def test_requests_without_all_bytes_are_named() -> None:
@@ -419,6 +382,8 @@ OUTSIDE = """\
 
 
 def test_values_outside_their_range_are_counted() -> None:
+    text = decode("(1.1) can0 142#9A00000000000000\n(1.1002) can0 142#9A32003200000000\n", *SETTINGS, status=1).stdout
+    assert "  1 implausible: `voltage` is outside 6..100 V, as 5.0 V in 142#9A32003200000000" in text
     settings = ("--set", "edition=v2.35", "--set", "series=MG")
     text = decode(OUTSIDE, *settings, "--set", "encoder_bits=14", status=1).stdout
     assert "1 implausible: `iq` is outside raw -2048..2048, as 80.56640625 A in 141#A1328813F4010080" in text
@@ -543,8 +508,7 @@ def test_no_edition_is_assumed_that_explains_the_frames_worse_than_another_one()
     """777 of 0.1 V is 0x0309, but DATA[2] and DATA[5] of that reply would be 0."""
     asked, answered = "145#9A00000000000000", "145#9A32600903010000"
     log = "".join(f"({2 + i / 100}) can0 {data}\n" for i, data in enumerate((asked, answered, asked, asked)))
-    editions = [f"--spec={ROOT / 'spec/mwd_motor' / name}.yaml" for name in ("v2.35", "v2.35-2024-02")]
-    text = decode(MIXED + log, *editions, status=1).stdout
+    text = decode(MIXED + log, *BOTH_V2_35, status=1).stdout
     assert "can0, node 5; can1, node 3: no edition fits, so these frames count as foreign" in text
 
 
@@ -850,13 +814,8 @@ def test_both_dbc_files_read_the_channels_of_a_split_log() -> None:
     from asammdf import MDF
 
     traffic = Traffic(specification(V2_35).edition, "mixed", 4, loss=Loss(0.1, has_retries=True), nodes=1)
-    log = "".join(
-        f"({time // 10**9}.{time % 10**9 // 1000:06}) can0 {frame.id:03X}#{frame.data.hex().upper()}\n"
-        for (time, _, frame, _), _ in traffic.frames(100)
-        if time is not None
-    )
     settings = ("--spec", str(V2_35), "--set", "series=MG")
-    rows: list[Any] = list(json_rows(decode(log, *settings, "--format", "jsonl").stdout))
+    rows: list[Any] = list(json_rows(decode(recorded(traffic.frames(100)), *settings, "--format", "jsonl").stdout))
     run("bus.log", *settings, "--split", "split.blf")
     files = [ROOT / f"generated/dbc/mwd_motor-v2.35-MG-{part}.dbc" for part in ("command", "reply")]
     databases: Any = [cantools.database.load_file(file) for file in files]
@@ -930,7 +889,10 @@ def test_a_curve_has_the_extremes_of_any_number_of_points() -> None:
         (["bus.log", "--split", "missing/a.log"], "missing"),
         (["141#A1", "--format", "csv"], "are for logs"),
         (["141#A1000"], "is neither a file nor a frame such as 141#A100FF (malformed)"),
-        (["missing.log"], "does not exist"),
+        *(([text], "does not exist") for text in ("missing.log", "141 9G", "141", "9" * 300)),
+        (["-", "--follow"], "--follow needs a file"),
+        (["141#A1", "--follow"], "--follow is for a file"),
+        (["bus.log", "--from-split"], "`can0` is no channel of a file that --split writes; omit --from-split"),
     ],
 )
 def test_wrong_arguments(arguments: list[str], message: str) -> None:
@@ -977,13 +939,6 @@ def test_a_log_with_the_name_of_a_temporary_file() -> None:
         run(name, *SETTINGS, "--format", "parquet", "--out", "tables")
         shutil.rmtree("tables")
         assert Path(name).read_text("utf-8") == MIXED
-
-
-def test_a_folder_of_tables_that_contains_the_log() -> None:
-    Path("tables").mkdir()
-    Path("tables/bus.log").write_text(MIXED, "utf-8")
-    run("tables/bus.log", *SETTINGS, "--format", "parquet", "--out", "tables", status=2)
-    assert Path("tables/bus.log").read_text("utf-8") == MIXED
 
 
 def test_two_outputs_of_one_name() -> None:
@@ -1076,16 +1031,9 @@ def test_an_interrupt_ends_a_log_with_its_summary(followed: bool, tmp_path: Path
         assert process.wait() == 130
 
 
-def test_what_is_followed_is_a_file() -> None:
-    for source in ("-", "141#A1"):
-        result = CliRunner().invoke(main, ["decode", source, "--follow"], input=b"")
-        assert result.exit_code == 2 and "--follow" in result.output
-
-
 def test_rows_of_a_slow_stream_do_not_wait_for_the_editions() -> None:
     """A node that is there from the start, and one that appears later; several editions fit both."""
-    specs = ["--spec", str(V2_35), "--spec", str(V2_35.with_name("v2.35-2024-02.yaml"))]
-    with decoding("-", *specs, "--format", "jsonl") as (_, frames, printed):
+    with decoding("-", *BOTH_V2_35, "--format", "jsonl") as (_, frames, printed):
         for id_ in ("141", "142"):
             is_read = threading.Event()
             sending = threading.Thread(target=_send_slowly, args=(frames, id_, is_read))
@@ -1111,13 +1059,3 @@ def test_a_table_widens_where_rows_need_it() -> None:
     rows_ = decode(log, "--set", "edition=v2.35").stdout.splitlines()[1:601]
     places = [row.index("set_torque") for row in rows_]
     assert places == [places[0]] * 500 + [places[0] + 2] * 100
-
-
-def test_the_standard_input_and_a_log_without_times() -> None:
-    frames = "141#A10000009B000000\n141#A1329B00F4010080\n"
-    arguments = ["decode", "-", "--set", "edition=v2.35", "--format", "jsonl"]
-    result = CliRunner().invoke(main, arguments, input=frames.encode())
-    assert [(row["time"], row["direction"], row["request"]) for row in json_rows(result.stdout)] == [
-        (None, "request", None),
-        (None, "reply", 0),
-    ]

@@ -18,7 +18,7 @@ from hypothesis import given, settings, strategies as st
 from ..samples import sampled
 from . import motor_bus
 from .test_directions import ALPHABET, EDITIONS, MOTOR, STEPS, frames as recorded_frames, judge
-from .traffic import MIXES, Loss, Traffic, together, with_clock_jumps
+from .traffic import Loss, Traffic, together, with_clock_jumps
 
 NUMBERS = {Direction.REQUEST: Number.REQUEST, Direction.REPLY: Number.REPLY, None: Number.UNKNOWN}
 MARKS = {Mark.SENT: Number.REQUEST, Mark.RECEIVED: Number.REPLY, None: Number.UNKNOWN}
@@ -58,12 +58,6 @@ def test_losses_retries_broadcasts_two_buses_and_clock_jumps(spec: str) -> None:
         buses = [Traffic(EDITIONS[spec], "mixed", 3, loss=loss, bus=f"can{number}").frames(60) for number in (0, 1)]
         log = [sent.recorded for sent in with_clock_jumps(together(buses), 1, every=50)]
         assert directions(EDITIONS[spec], log, 97) == one_by_one(EDITIONS[spec], log)
-
-
-@pytest.mark.parametrize("mix", MIXES)
-def test_each_mix_of_traffic(mix: str) -> None:
-    log = [sent.recorded for sent in Traffic(MOTOR, mix, 5, loss=Loss(0.1, has_retries=True)).frames(400)]
-    assert directions(MOTOR, log, 250) == one_by_one(MOTOR, log)
 
 
 @st.composite

@@ -7,7 +7,7 @@ import gzip
 import lzma
 import re
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import can
@@ -225,6 +225,14 @@ ENCODINGS: dict[str, Callable[[bytes], bytes]] = {
 """The first four are also those of captures."""
 
 
+def written(file: Path, messages: Iterable[can.Message]) -> Path:
+    """A log as python-can writes it, in the form of its suffix."""
+    with can.Logger(str(file)) as writer:
+        for message in messages:
+            writer.on_message_received(message)
+    return file
+
+
 def read(tmp_path: Path, content: str | bytes) -> tuple[list[LogFrame], Counts]:
     file = tmp_path / "log"
     file.write_bytes(content.encode() if isinstance(content, str) else content)
@@ -270,11 +278,7 @@ def test_the_text_and_the_database_of_the_installed_python_can(tmp_path: Path) -
     messages.append(can.Message(1.7e9 + 1, 0x20000000, is_error_frame=True, channel="can0"))
     expected = [*FRAMES, CanFrame(0x141, b"", remote=True), CanFrame(0x141, b"ab1")]
     for form in ("txt", "db"):
-        file = tmp_path / f"log.{form}"
-        with can.Logger(str(file)) as writer:
-            for message in messages:
-                writer.on_message_received(message)
-        with open_log(str(file)) as log:
+        with open_log(str(written(tmp_path / f"log.{form}", messages))) as log:
             frames = list(log)
         assert [recorded.frame for recorded in frames] == expected
         times = [recorded.time for recorded in frames]
@@ -330,7 +334,6 @@ ROS = "header:\n  stamp:\n    sec: 1700000000\n  frame_id: can\nid: 321\nis_rtr:
         ),
         (b"TimestampEpoch;BusChannel;ID;IDE\n1.5;1;141;0\n", "mdf2csv writes this; read the MF4 file"),
         (_pcap("<", 1, [*map(_socketcan, FRAMES)]), r"not of CAN \(link type 1\); capture a device such as can0"),
-        (bz2.compress(b"SQLite format 3\0"), "compressed file, MF4 or a database; decompress it first"),
     ],
 )
 def test_what_is_not_read_is_named_with_a_way(tmp_path: Path, content: bytes, problem: str) -> None:

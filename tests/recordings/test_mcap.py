@@ -9,16 +9,14 @@ from pathlib import Path
 from typing import IO, Any, NamedTuple
 
 import pytest
-from canwright.cli import main
 from canwright.model import formatting
 from canwright.model.edition import Edition
 from canwright.project.loader import specification
 from canwright.recordings import mcap_file
-from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 
 from ..spec_texts import MINIMAL, WITHOUT_SETTINGS_IN_IDS, called
-from .test_decode import EARLY, MIXED, SETTINGS, V2_35, decode, golden_of
+from .test_decode import BOTH_V2_35, EARLY, MIXED, SETTINGS, V2_35, decode, golden_of, run
 
 pytestmark = pytest.mark.interop("mcap")
 
@@ -211,9 +209,8 @@ def test_a_node_whose_edition_changes_has_another_topic() -> None:
     """Two editions fit until a reply of the stream shows which it is; their layouts differ."""
     torque = "(1.0) can0 141#A10000009B000000\n(1.0001) can0 141#A1329B00F4010080\n"
     status = "(3.0) can0 141#9A00000000000000\n(3.0001) can0 141#9A32081364000000\n"
-    specs = ["--spec", str(V2_35), "--spec", str(V2_35.with_name("v2.35-2024-02.yaml"))]
-    arguments = ["decode", "-", *specs, "--format", "mcap", "--out", "bus.mcap"]
-    CliRunner().invoke(main, arguments, input=torque * 2000 + status * 500 + torque)
+    log = torque * 2000 + status * 500 + torque
+    run("-", *BOTH_V2_35, "--format", "mcap", "--out", "bus.mcap", stdin=log, status=None)
     with Path("bus.mcap").open("rb") as file:
         editions = {each.topic: each.content["frame"]["edition"] for each in read(file) if "feedback" in each.topic}
     assert editions == {

@@ -15,7 +15,7 @@ from canwright.conformance.adapter import write_files
 from canwright.model.message import Direction
 from canwright.model.refusal import Refusal
 from canwright.project.loader import specification
-from canwright.semantics.candidates import Candidates
+from canwright.recordings.frame_classes import FrameClasses
 from canwright.semantics.frame import CanFrame
 from canwright.targets.base import EditionInput
 from canwright.targets.javascript.package import RUNTIME, module_path
@@ -496,7 +496,7 @@ def test_requests_that_a_node_does_not_have_are_rejected(spec: Path, tmp_path: P
 def test_candidates_are_those_of_the_reference(name: str, tmp_path: Path) -> None:
     spec = next(spec for spec in SPECS if called(spec) == name)
     item, chance = specification(spec), random.Random(1)
-    adapter, wanted = JavaScriptAdapter.create(item, tmp_path), Candidates(item.edition)
+    adapter, wanted = JavaScriptAdapter.create(item, tmp_path), FrameClasses(item.edition)
     messages, ambiguous = item.edition.all_messages(), 0
     assert item.frames is not None
     frames = [CanFrame(golden.id, golden.data, golden.extended, golden.remote) for golden in item.frames.frames]
@@ -504,7 +504,7 @@ def test_candidates_are_those_of_the_reference(name: str, tmp_path: Path) -> Non
     for frame in (*chance.sample(frames, min(len(frames), 100)), *random_frames):
         answer = adapter.ask("candidates", frame=_frame(frame))
         assert [(candidate["direction"], candidate["command"]) for candidate in answer] == [
-            (message.direction.value, message.command) for message in wanted.of(frame)
+            (form.message.direction.value, form.message.command) for form in wanted.of(frame).forms
         ]
         ambiguous += len(answer) > 1
     assert ambiguous

@@ -28,8 +28,7 @@ from ..recordings.new_files import is_overwritten, new_file, new_folder, same_pa
 from ..recordings.nodes import Identifiers, Nodes, NodeSetting, follow
 from ..recordings.packages import MissingPackageError
 from ..recordings.parquet import ParquetTables
-from ..recordings.pasted import pasted_frame
-from ..recordings.readers import STANDARD_INPUT, Log, LogError
+from ..recordings.readers import STANDARD_INPUT, Log, LogError, pasted_frame
 from ..recordings.rows import Row, RowReader
 from ..recordings.summary import Summary
 from ..semantics.frame import CanFrame

@@ -9,14 +9,13 @@ from ..model import formatting
 from ..model.formatting import bus_id, counted, numbers, sent
 from ..model.refusal import Refusal
 from ..model.types import Type
-from ..recordings.counter_gaps import CounterGaps
 from ..recordings.effects import NodeEffects
 from ..recordings.explain import meanings
 from ..recordings.exports import bus_name, milliseconds, seconds
+from ..recordings.gaps import CounterGaps, Periods
 from ..recordings.log_frame import Counts, SkippedPart
 from ..recordings.neighbours import neighbours
 from ..recordings.nodes import Choice, Nodes
-from ..recordings.periods import Periods
 from ..recordings.results import Place
 from ..recordings.rows import CellValue, Row
 from ..recordings.summary import NodeSummary, Summary

@@ -96,9 +96,10 @@ def identify(
         print_json(_facts(family, identification, read_log.counts))
     else:
         print_identification(own, identification, read_log.counts)
-    directions = log_directions(read_log, nodes_of(identifiers.best, ()), direction_of(recorder), window)
-    is_repeated = any(repeated_after(f for f in start if f.bus == bus) for bus in {f.bus for f in start})
-    doubtful = [*two_recorders(directions.learn(start))] if is_repeated else []
+    doubtful: list[str] = []
+    if any(repeated_after(f for f in start if f.bus == bus) for bus in {f.bus for f in start}):
+        directions = log_directions(read_log, nodes_of(identifiers.best, ()), direction_of(recorder), window)
+        doubtful = [*two_recorders(directions.learn(start))]
     unset = unset_parameters(editions) if identification.foreign or not identification.is_complete else []
     for remark in [*unset, *doubtful]:
         print_text(f"{remark}\n", error=form == "json")

@@ -46,7 +46,3 @@ class Behaviour(NamedTuple):
         """What is known without a doubt: the marks, the copies, and old bits that do not vary."""
         old_bits = tuple(bits for bits in self.old_bits if bits.value is not None)
         return self._replace(reply_time=None, only=None, old_bits=old_bits, resolution=1, slowest=None)
-
-    def old_bits_of(self, request: Message) -> OldBits | None:
-        """The old bits of a request, if it has any."""
-        return next((bits for bits in self.old_bits if bits.request is request), None)

@@ -7,11 +7,10 @@ from collections.abc import Iterable, Iterator
 from ..model.layout import MAX_DATA_BYTES
 from ..semantics.frame import CanFrame
 from ..targets.columns.runtime._candump import MAX_SECONDS, SkippedPart, read_line, without_colours
-from .log_frame import Counts, LogFrame, Mark, new_tuple
+from .log_frame import MARKS, Counts, LogFrame, Mark, new_tuple
 
 _MAX_KNOWN = 1 << 14
 """The maximum number of ids that are remembered."""
-_SHORT_MARKS = {"R": Mark.RECEIVED, "T": Mark.SENT}
 _MARKS = {False: Mark.RECEIVED, True: Mark.SENT, None: None}
 
 
@@ -30,7 +29,7 @@ def read(lines: Iterable[str], counts: Counts) -> Iterator[LogFrame]:
                     second, start, width = head[: point + 1], int(head[1:point]) * 1_000_000_000, point + 1
             mark = None
             if written[-3] == " ":
-                mark, written = _SHORT_MARKS[written[-2]], written[:-3] + "\n"
+                mark, written = MARKS[written[-2]], written[:-3] + "\n"
             bus, id_, extended = known[head[width + 6 :]]
             data, fraction = bytes.fromhex(written), head[width : width + 6]
             is_whole = 0 < len(data) <= MAX_DATA_BYTES and len(written) == 2 * len(data) + 1 and line[-1] == "\n"

@@ -293,7 +293,7 @@ class _Bus:
         is_separate = self._sharing is _Sharing.IDS
         answers, opens = (
             {channel.node if is_separate else None for channel in channels}
-            for channels in (frame_class.answers, [opened.channel for opened in frame_class.opens])
+            for channels in (frame_class.of_id.answers, [opened.channel for opened in frame_class.opens])
         )
         if len(answers) > 1:
             answers.discard(None)  # the channel of any node, to which no request is sent if the nodes are separate

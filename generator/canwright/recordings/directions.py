@@ -194,13 +194,10 @@ class _Answered(NamedTuple):
 class _Bus:
     """The state of one bus: its clock, which never runs backwards, and the open exchanges."""
 
-    __slots__ = (
-        *("behaviour", "clock", "copied", "count", "latest", "lines", "open", "time", "until", "waiting", "window"),
-    )
+    __slots__ = (*("behaviour", "clock", "count", "latest", "lines", "open", "time", "until", "waiting", "window"),)
 
     def __init__(self, behaviour: Behaviour, window: int) -> None:
         self.behaviour = behaviour
-        self.copied = behaviour.copied
         self.window = window
         self.clock = 0
         self.time: int | None = None
@@ -212,21 +209,13 @@ class _Bus:
         """The time at which the last exchange ends."""
         self.waiting: list[_Exchange] = []
         """The exchanges with waiting frames."""
-        self.latest: dict[int | None, _Latest] = {}
+        self.latest: dict[int | None, PendingFrame] = {}
         """The last frame of each node, if frames are recorded twice and it can have a copy."""
 
     def forget_classes(self) -> None:
         """Forgets the ids and classes of frames: what they are has changed, or there are too many."""
         self.lines.clear()
         self.count = 0
-
-
-class _Latest(NamedTuple):
-    """A frame, its time on the clock of its bus, and its result."""
-
-    frame: CanFrame
-    clock: int
-    result: DirectedFrame | PendingFrame
 
 
 class Directions:
@@ -331,8 +320,7 @@ class Directions:
         for name, behaviour in behaviours.items():
             if name in self._buses:
                 bus = self._buses[name]
-                bus.behaviour, bus.copied = behaviour, behaviour.copied
-                bus.window = self._bus_window(behaviour)
+                bus.behaviour, bus.window = behaviour, self._bus_window(behaviour)
                 bus.forget_classes()
 
     def _bus_window(self, behaviour: Behaviour) -> int:
@@ -435,17 +423,17 @@ class Directions:
         data = int.from_bytes(frame.data, "little")
         known = line.known.get(data & line.key_bits) or self._known(bus, line, recorded, data)
         arrived = PendingFrame(bus, recorded, number, line, known)
-        return self._with_copies(arrived, data) if bus.copied else self._decide(arrived, data)
+        return self._with_copies(arrived, data) if bus.behaviour.copied else self._decide(arrived, data)
 
     def _with_copies(self, arrived: PendingFrame, data: int) -> DirectedFrame | PendingFrame:
         """The result on a bus where frames are recorded twice."""
         bus, node = arrived.bus, arrived.line.node
         latest = bus.latest.pop(node, None)
-        if latest is not None and latest.frame == arrived.recorded.frame:
+        if latest is not None and latest.recorded.frame == arrived.recorded.frame:
             first = self._first(latest)
             # A copy of a request can be marked as received, as the adapter returns it.
             mark = arrived.recorded.mark if arrived.line.is_marked and first.direction is Direction.REPLY else None
-            if first.direction in bus.copied and (mark is None or self._of_mark[mark] is first.direction):
+            if first.direction in bus.behaviour.copied and (mark is None or self._of_mark[mark] is first.direction):
                 return first._replace(
                     recorded=arrived.recorded,
                     number=arrived.number,
@@ -455,20 +443,19 @@ class Directions:
                     is_late=False,
                 )
         result = self._decide(arrived, data)
-        if isinstance(result, PendingFrame) or result.direction in bus.copied:
-            bus.latest[node] = _Latest(arrived.recorded.frame, bus.clock, result)
+        if isinstance(result, DirectedFrame):
+            arrived.directed = result
+        if arrived.directed is None or arrived.directed.direction in bus.behaviour.copied:
+            bus.latest[node] = arrived
         return result
 
-    def _first(self, latest: _Latest) -> DirectedFrame:
+    def _first(self, latest: PendingFrame) -> DirectedFrame:
         """The result for a frame that is recorded again; one that waits has the direction that is recorded twice."""
-        result = latest.result
-        if isinstance(result, DirectedFrame):
-            return result
-        if result.exchange is not None and result.directed is None:
-            settle = self._decide_pending if Direction.REPLY in result.bus.copied else self._repeat
-            settle(result.exchange)
-        assert result.directed is not None
-        return result.directed
+        if latest.exchange is not None and latest.directed is None:
+            settle = self._decide_pending if Direction.REPLY in latest.bus.behaviour.copied else self._repeat
+            settle(latest.exchange)
+        assert latest.directed is not None
+        return latest.directed
 
     def _decide(self, arrived: PendingFrame, data: int) -> DirectedFrame | PendingFrame:
         """The result by the mark, the id, the content or the exchange; the frame itself if it has to wait."""
@@ -550,7 +537,7 @@ class Directions:
         open_, own, frame = arrived.bus.open, arrived.known.rule.frame_class, arrived.recorded.frame
         if not open_:
             return None
-        for channel in own.answers:
+        for channel in own.of_id.answers:
             for exchange in open_.get(channel, ()):
                 if exchange.until >= arrived.clock:
                     asked = exchange.request.recorded.frame
@@ -741,7 +728,7 @@ def _is_late(exchange: _Exchange, latency: int, node: int | None) -> bool:
     from_each = exchange.rule.frame_class.command.from_each
     after = exchange.rule.late_after
     position = from_each.index(node) if node in from_each else exchange.expected - exchange.missing - 1
-    return after is not None and latency - exchange.rule.resolution >= after * (position + 1)
+    return after is not None and latency - exchange.rule.behaviour.resolution >= after * (position + 1)
 
 
 def direction_by_content(rule: DirectionRule, content: int) -> tuple[Direction | None, DecidedBy] | None:

@@ -75,8 +75,8 @@ def _meaning(form: MessageForm, frame: CanFrame, assignment: Assignment, only: O
     fields = variant.fields if variant else message.layout.fields
     parameter = None if variant else message.layout.parameter
     varying = [(f, {parameter: f.only} if parameter and f.only else {}) for f in fields if f.is_given]
-    meanings = [meaning for f, limits in varying for meaning in _fields(f, frame, assignment, only, limits)]
-    meanings += [_checksum(field, frame) for field in fields if field.checksum]
+    listed = [*varying, *((f, {}) for f in fields if f.checksum)]
+    meanings = [meaning for f, limits in listed for meaning in _fields(f, frame, assignment, only, limits)]
     unusual = [*_reserved(form, frame)]
     for field, limits in varying:
         unusual += _unusual(field, frame, assignment, {**only, **limits})
@@ -118,17 +118,9 @@ def _fields(field: Field, frame: CanFrame, assignment: Assignment, command: Only
     raw = raw_of(field, frame)
     raws = raw if isinstance(raw, list) else [raw]
     for (name, segments), number in zip(formatting.elements(field), raws, strict=True):
-        values = list(_values(field, number, assignment, {**command, **only}))
+        values = [("", "correct")] if field.checksum else [*_values(field, number, assignment, {**command, **only})]
         place = formatting.place(field.space, segments, order=field.type.order)
         yield FieldMeaning(name, place, number, values, field.type, formatting.condition(only))
-
-
-def _checksum(field: Field, frame: CanFrame) -> FieldMeaning:
-    """The checksum of a frame that has it."""
-    (_, segments), *_ = formatting.elements(field)
-    raw = raw_of(field, frame)
-    assert isinstance(raw, int)
-    return FieldMeaning(field.name, formatting.place(field.space, segments), raw, [("", "correct")], field.type, "")
 
 
 def _values(field: Field, raw: int, assignment: Assignment, only: Only) -> Iterator[tuple[str, CellValue]]:

@@ -63,20 +63,22 @@ class CsvLines:
         return line
 
 
-OF_FRAME: Mapping[str, Callable[[Row], object]] = {
+OF_FRAME: Mapping[str, Callable[[Row], CellValue]] = {
     "number": lambda row: row.judged.number,
     "time": lambda row: seconds(row.judged.recorded.time),
     "bus": lambda row: bus_name(row.form.bus),
     "frame": lambda row: sent(row.judged.recorded.frame),
     "node": lambda row: row.form.node,
-    "edition": lambda row: row.form.label,
-    "direction": lambda row: row.form.direction and row.form.direction.value,
+    "edition": lambda row: row.form.label or None,
+    "direction": lambda row: row.form.direction.value if row.form.direction else None,
     "decided_by": lambda row: row.form.decided_by.value,
-    "command": lambda row: row.form.message and row.form.message.command,
+    "command": lambda row: row.form.message.command if row.form.message else None,
     "request": lambda row: row.judged.request,
     "latency_ms": lambda row: milliseconds(row.judged.latency),
 }
-"""What is known of a frame: the columns of CSV and their contents."""
+"""What is known of a frame: the columns of CSV, and the first ones of JSON, with their contents."""
+_VARYING = {"number": "%d", "time": "%s", "frame": '"%s"', "request": "%s", "latency_ms": "%s"}
+"""The columns that differ between the rows of one form, as JSON."""
 
 
 class _Returned:
@@ -107,7 +109,7 @@ class JsonLines:
     def _line(self, row: Row) -> str:
         judged, form, fields, _ = row
         (time, _, frame, _), number, _, _, _, _, _, rejection, request, latency, _ = judged
-        line, texts = self._formats.get(form) or self._format(form)
+        line, texts = self._formats.get(form) or self._format(row)
         if texts:
             fields = [*fields]
             for at, written in texts:
@@ -122,39 +124,27 @@ class JsonLines:
             "null" if rejection is None else _json_rejection(rejection),
         )
 
-    def _format(self, form: RowForm) -> tuple[str, Sequence[Text]]:
+    def _format(self, row: Row) -> tuple[str, Sequence[Text]]:
         if len(self._formats) >= MAX_FORMS:
             self._formats.clear()
-        self._formats[form] = known = _json_format(form)
+        self._formats[row.form] = known = _json_format(row)
         return known
 
 
-def _json_format(form: RowForm) -> tuple[str, Sequence[Text]]:
-    """The line of a row, as a format of what differs: number, time, frame, request, latency, fields, and rejection.
+def _json_format(row: Row) -> tuple[str, Sequence[Text]]:
+    """The line of the rows of a form, as a format of what differs: `_VARYING`, fields, and rejection.
 
     With it, the places of the fields that are not always numbers, each with the function that writes its value.
     """
-    facts = (
-        ("number", "%d"),
-        ("time", "%s"),
-        ("bus", _constant(bus_name(form.bus))),
-        ("frame", '"%s"'),
-        ("node", _constant(form.node)),
-        ("edition", _constant(form.label or None)),
-        ("direction", _constant(form.direction.value if form.direction else None)),
-        ("decided_by", _constant(form.decided_by.value)),
-        ("command", _constant(form.message.command if form.message else None)),
-        ("request", "%s"),
-        ("latency_ms", "%s"),
-        ("fields", "{" + ", ".join(map(_json_field, form.columns)) + "}"),
-        ("rejection", "%s"),
-    )
-    columns = enumerate(zip(form.columns, form.numbers, strict=True))
-    written = (
-        (at, _or_no_value if of.field.type.no_values else _json) for at, (of, is_number) in columns if not is_number
-    )
-    texts = [(2 * at + 1, function) for at, function in written]
-    return "{" + ", ".join([f'"{name}": {text}' for name, text in facts]) + "}\n", texts
+    facts = {name: _VARYING.get(name) or _constant(content(row)) for name, content in OF_FRAME.items()}
+    facts["fields"] = "{" + ", ".join(map(_json_field, row.form.columns)) + "}"
+    facts["rejection"] = "%s"
+    texts = [
+        (2 * at + 1, _or_no_value if column.field.type.no_values else _json)
+        for at, (column, is_number) in enumerate(zip(row.form.columns, row.form.numbers, strict=True))
+        if not is_number
+    ]
+    return "{" + ", ".join([f'"{name}": {text}' for name, text in facts.items()]) + "}\n", texts
 
 
 def _json_field(column: Column) -> str:

@@ -14,7 +14,6 @@ from ..model.layout import Space
 from ..model.message import Command, Direction, IdRule, Message
 from ..model.types import Type
 from ..semantics.bits import data_bits
-from ..semantics.candidates import Candidates
 from ..semantics.decoder import Decoder, Identified, Rejection, rejects_checked
 from ..semantics.exchange import check_reply, exchange_plans
 from ..semantics.frame import (
@@ -23,17 +22,20 @@ from ..semantics.frame import (
     bits_at,
     has_id,
     has_id_rule,
+    is_message,
     node_in_id,
     node_of,
     parts_of,
     wrong_constants,
 )
-from ..semantics.plan import CheckParameter, MaskedBits, message_plan
+from ..semantics.plan import CheckParameter, MaskedBits, message_plan, only_by_request
 from ..semantics.valid_raws import FlagBits, NamedRaws, RawInterval, valid_raws
 from .bus_behaviour import Behaviour
 
 WINDOW = 2_000_000
 """The time in ns within which a request is answered, unless the spec or the log shows a longer one."""
+SOON = WINDOW // 4
+"""The time in ns within which most replies come, where neither the spec nor the log shows another one."""
 MAX_CLASSES = 1 << 16
 """The maximum number of ids and of classes of an edition that are remembered."""
 IS_REQUEST, IS_REPLY, IS_REGULAR = 1, 2, 4
@@ -56,11 +58,8 @@ class Opened(NamedTuple):
     replies: int
 
 
-class Limit(NamedTuple):
-    """Bits of the data that do not all have a meaning: the bits, and whether a raw integer is allowed."""
-
-    parts: Parts
-    allows: Callable[[Any], Any]
+Limit = tuple[Parts, Callable[[Any], Any]]
+"""Bits of the data that do not all have a meaning: the bits, and whether a raw integer is allowed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,24 +90,40 @@ class MessageForm:
         return regular
 
 
+class IdClass(NamedTuple):
+    """The nodes that an id can mean, and the data bits that identify a frame: all keys, and the node if the id has none.
+
+    `only` is the direction of all frames with this id; None if it has both. A reply answers a request that opened one of
+    `answers`.
+    """
+
+    nodes: tuple[int | None, ...]
+    key_bits: int
+    only: Direction | None
+    answers: tuple[Channel, ...]
+
+
 @dataclass(eq=False, kw_only=True)
 class FrameClass:
     """The messages of an edition that a frame can be, by its id, its length, its keys and the node in its data.
 
-    A request is answered on the channels `opens`; a reply answers a request that opened one of `answers`. `identified`
-    are the results of the dispatch plan. `only` is the direction of all frames with this id; None if it has both.
+    A request is answered on the channels `opens`. `identified` are the results of the dispatch plan.
     """
 
     edition: Edition
     decoder: Decoder
+    of_id: IdClass
     identified: Mapping[Direction, Identified | Rejection]
-    only: Direction | None
     request: MessageForm | None
     replies: tuple[MessageForm, ...]
     opens: tuple[Opened, ...]
-    answers: tuple[Channel, ...]
     with_checks: frozenset[Message]
     _replies_to: dict[FrameClass, Identified | None] = field(default_factory=dict)
+
+    @property
+    def forms(self) -> Sequence[MessageForm]:
+        """The messages, replies first."""
+        return [*self.replies, *([self.request] if self.request else [])]
 
     @cached_property
     def command(self) -> Command:
@@ -161,42 +176,33 @@ class DirectionRule:
     """How the directions of the frames of a class are decided on a bus of some behaviour.
 
     `only` is the direction of all frames with this id, and that of all frames of the log if it is `by_log`. `window` is
-    the time in ns within which the request is answered, `bus_window` that of other requests.
+    the time in ns within which the request is answered.
     """
 
     def __init__(self, frame_class: FrameClass, behaviour: Behaviour, window: int | None) -> None:
         self.frame_class = frame_class
-        self.by_log = frame_class.only is None and behaviour.only is not None
-        self.only = frame_class.only or behaviour.only
+        self.behaviour = behaviour
+        self.by_log = frame_class.of_id.only is None and behaviour.only is not None
+        self.only = frame_class.of_id.only or behaviour.only
         self.request = frame_class.request
         self._own_time: int | None = None
-        self._reply_time = behaviour.reply_time
-        self.resolution = behaviour.resolution
-        self._is_by_time = any(bits.value is None for bits in behaviour.old_bits)
         if self.request is not None:
             within = frame_class.command.reply_within_ms
             self._own_time = None if within is None else int(within * 1_000_000)
-            old = behaviour.old_bits_of(self.request.message)
-            value = self.request.reserved.value if old is None else old.value
-            mask = 0 if value is None else self.request.reserved.mask & self._of_replies
+            message, reserved = self.request.message, self.request.reserved
+            value = next((bits.value for bits in behaviour.old_bits if bits.request is message), reserved.value)
+            # Bits that each reply reserves, too, do not show that a frame is one.
+            of_replies = functools.reduce(operator.or_, (~reply.reserved.mask for reply in frame_class.replies), 0)
+            mask = 0 if value is None else reserved.mask & of_replies
             self.request = replace(self.request, reserved=MaskedBits(mask, (value or 0) & mask))
-        self.bus_window = bus_window(frame_class.edition, behaviour, window)
-        self.window = max(self.bus_window, self._own_time or 0)
-
-    @cached_property
-    def _forms(self) -> Sequence[MessageForm]:
-        return [*self.frame_class.replies, *([self.request] if self.request else [])]
-
-    @property
-    def _of_replies(self) -> int:
-        """The bits that a reply can set; those that it reserves too do not show that a frame is one."""
-        return functools.reduce(operator.or_, (~reply.reserved.mask for reply in self.frame_class.replies), 0)
+        self.window = max(bus_window(frame_class.edition, behaviour, window), self._own_time or 0)
 
     @cached_property
     def _is_shared(self) -> bool:
         """Whether all data can be a reply, and be a request but for its reserved bits and limits."""
-        free = not any(form.constants is None or form.constants.mask for form in self._forms)
-        return self.request is not None and len(self._forms) > 1 and free
+        forms = self.frame_class.forms
+        free = not any(form.constants is None or form.constants.mask for form in forms)
+        return self.request is not None and len(forms) > 1 and free
 
     def content(self, data: Any) -> Any:
         """What data can be, in the bits IS_REQUEST, IS_REPLY and IS_REGULAR; data is one integer, or an array."""
@@ -218,10 +224,11 @@ class DirectionRule:
 
         That of the spec; of the log if replies take longer. Shorter ones show less, because some pairs are wrong.
         """
-        stated, usual = self._stated_time, self._reply_time or 0
-        if self._own_time is None and (self._is_by_time or usual > (stated or WINDOW)):
-            return min(self.window, self.late_after or WINDOW // 4)
-        return min(self.window, stated or WINDOW // 4)
+        stated, usual = self._stated_time, self.behaviour.reply_time or 0
+        is_by_time = any(bits.value is None for bits in self.behaviour.old_bits)
+        if self._own_time is None and (is_by_time or usual > (stated or WINDOW)):
+            return min(self.window, self.late_after or SOON)
+        return min(self.window, stated or SOON)
 
     @cached_property
     def late_after(self) -> int | None:
@@ -229,9 +236,9 @@ class DirectionRule:
 
         None if neither is known.
         """
-        if self._own_time is not None or self._reply_time is None:
+        if self._own_time is not None or self.behaviour.reply_time is None:
             return self._stated_time
-        return max(self._stated_time or 0, self._reply_time * 3 // 2)
+        return max(self._stated_time or 0, self.behaviour.reply_time * 3 // 2)
 
     @property
     def _stated_time(self) -> int | None:
@@ -252,13 +259,6 @@ def bus_window(edition: Edition, behaviour: Behaviour, window: int | None) -> in
     return max(WINDOW, int(2 * (edition.bus.reply_within_ms or 0) * 1_000_000), 2 * (behaviour.reply_time or 0))
 
 
-class IdClass(NamedTuple):
-    """The nodes that an id can mean, and the data bits that identify a frame: all keys, and the node if the id has none."""
-
-    nodes: tuple[int | None, ...]
-    key_bits: int
-
-
 class FrameClasses:
     """Finds the classes of the frames of one edition."""
 
@@ -272,7 +272,7 @@ class FrameClasses:
         )
         rules = dict.fromkeys(reply.id for reply in edition.messages(Direction.REPLY))
         self._rules = {rule: number for number, rule in enumerate(rules)}
-        self._candidates = Candidates(self.edition)
+        self._answers = only_by_request(edition)
         self._ids: dict[tuple[int, bool, bool], IdClass] = {}
         self._classes: dict[tuple[int, bool, bool, int, int], FrameClass] = {}
 
@@ -286,7 +286,15 @@ class FrameClasses:
             in_data = [message.node_bits for message in having if message.id.nodes is None]
             runs = [*(key for message in having for key in message.keys), *(bits for bits in in_data if bits)]
             nodes = dict.fromkeys(node_in_id(message, frame) for message in having)
-            self._ids[id_] = IdClass(tuple(nodes), data_bits((run.space, run.segments) for run in runs))
+            exact = [message for message in having if has_id(message, frame)] or having
+            directions = {message.direction for message in exact}
+            sources = [(m.id, node_in_id(m, frame)) for m in exact if m.direction is Direction.REPLY]
+            self._ids[id_] = IdClass(
+                tuple(nodes),
+                data_bits((run.space, run.segments) for run in runs),
+                next(iter(directions)) if len(directions) == 1 else None,
+                tuple(dict.fromkeys(self._channel(rule, n) for rule, node in sources for n in (node, None))),
+            )
         return self._ids[id_]
 
     def of(self, frame: CanFrame) -> FrameClass:
@@ -300,22 +308,19 @@ class FrameClasses:
         return self._classes[known]
 
     def _class(self, frame: CanFrame) -> FrameClass:
-        forms = [form_of(message, frame) for message in self._candidates.of(frame)]
-        request = next((form for form in forms if form.message.direction is Direction.REQUEST), None)
-        messages = self.edition.all_messages()
-        having = [message for message in messages if has_id(message, frame)]
-        having = having or [message for message in messages if has_id_rule(message, frame)]
-        directions = {message.direction for message in having}
-        sources = [(m.id, node_in_id(m, frame)) for m in having if m.direction is Direction.REPLY]
+        identified = {direction: self._decoder.identify(direction, frame) for direction in Direction}
+        known = {each.message.direction: each.message for each in identified.values() if isinstance(each, Identified)}
+        reply, asking = known.get(Direction.REPLY), known.get(Direction.REQUEST)
+        answers = [answer for answer in self._answers if answer is not reply and is_message(answer, frame)]
+        request = form_of(asking, frame) if asking else None
         return FrameClass(
             edition=self.edition,
             decoder=self._decoder,
-            identified={direction: self._decoder.identify(direction, frame) for direction in Direction},
-            only=next(iter(directions)) if len(directions) == 1 else None,
+            of_id=self.id_class(frame),
+            identified=identified,
             request=request,
-            replies=tuple(form for form in forms if form.message.direction is Direction.REPLY),
+            replies=tuple(form_of(message, frame) for message in (reply, *answers) if message),
             opens=self._opens(request) if request else (),
-            answers=tuple(dict.fromkeys(self._channel(rule, n) for rule, node in sources for n in (node, None))),
             with_checks=self._with_checks,
         )
 
@@ -354,7 +359,7 @@ def form_of(message: Message, frame: CanFrame) -> MessageForm:
         node=node_of(message, frame),
         constants=None if wrong_constants(in_id, frame) else plan.constants,
         reserved=MaskedBits(0, 0) if frame.remote else plan.reserved,
-        limits=tuple(Limit(parts_of(e.segments), allows) for f, allows in limited if allows for e in f.elements),
+        limits=tuple((parts_of(e.segments), allows) for f, allows in limited if allows for e in f.elements),
     )
 
 

@@ -24,8 +24,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ..model.edition import Edition
 from ..model.message import Direction
-from ..semantics.candidates import Candidates
-from ..semantics.frame import CanFrame, node_of
+from ..semantics.frame import CanFrame
 from .frame_classes import frame_classes
 from .kept_frames import MAX_KEPT, Arrival, KeptFrames, Kind, NodeFrames
 from .log_frame import LogFrame, new_tuple
@@ -85,7 +84,6 @@ class Identifier:
     ) -> None:
         self.editions = editions
         self._classes = [frame_classes(edition) for edition in editions]
-        self._candidates = [Candidates(edition) for edition in editions]
         self._readers = [EditionReader(edition, editions, recorder, window) for edition in editions]
         self._lines: dict[tuple[str, int, bool, bool, int], _Line] = {}
         self._nodes: dict[tuple[str, int | None], NodeFrames] = {}
@@ -125,20 +123,24 @@ class Identifier:
         self._kept.add(new_tuple(Arrival, (number, recorded, kind)))
         return node
 
-    def results_of(self, node: NodeFrames) -> list[NodeResult]:
-        """The result of each part of the frames of a node so far."""
-        busiest = max(each.total for each in self._nodes.values() if each.bus == node.bus)
-        return self._results(node, self._runs().get(node, ()), busiest)
+    def results_of(self, *nodes: NodeFrames) -> list[NodeResult]:
+        """The result of each part of the frames of some nodes so far."""
+        busiest: Counter[str] = Counter()
+        for each in self._nodes.values():
+            busiest[each.bus] = max(busiest[each.bus], each.total)
+        listed, runs = [], self._runs()
+        for node in nodes:
+            is_stray = STRAY * node.total <= busiest[node.bus] and 2 * node.near < node.total
+            parts = [*results(node, runs.get(node, ()), self._readers)]
+            if len(parts) == 1:
+                parts = [dataclasses.replace(parts[0], total=node.total)]
+            listed += [dataclasses.replace(part, is_stray=is_stray) for part in parts]
+        return listed
 
     def result(self) -> Identification:
         """The identification of the frames so far."""
-        busiest: Counter[str] = Counter()
-        for node in self._nodes.values():
-            busiest[node.bus] = max(busiest[node.bus], node.total)
-        runs = self._runs()
-        listed = sorted(self._nodes.values(), key=lambda node: (node.bus, node.number or -1))
-        results = [result for node in listed for result in self._results(node, runs.get(node, ()), busiest[node.bus])]
-        nodes = tuple(_with_broadcasts(results))
+        ordered = sorted(self._nodes.values(), key=lambda node: (node.bus, node.number or -1))
+        nodes = tuple(_with_broadcasts(self.results_of(*ordered)))
         return Identification(self._number, self._foreign_count, dict(self._foreign.most_common()), nodes)
 
     def _line(self, bus: str, frame: CanFrame) -> _Line:
@@ -155,14 +157,14 @@ class Identifier:
         if len(line.kinds) >= MAX_KNOWN:
             line.kinds.clear()
             line.of_messages.clear()
-        messages = [message for candidates in self._candidates for message in candidates.of(frame)]
+        forms = [form for classes in self._classes for form in classes.of(frame).forms]
         in_id = (number for classes in self._classes for number in classes.id_class(frame).nodes)
-        number = next((n for n in (*in_id, *(node_of(message, frame) for message in messages)) if n is not None), None)
+        number = next((n for n in (*in_id, *(form.node for form in forms)) if n is not None), None)
         node = self._nodes.get((bus, number))
         if node is None:
             node = self._nodes[bus, number] = NodeFrames(bus, number)
-        alike = (node, *messages) if messages else (node, frame.data[:1])
-        kind = line.kinds[key] = line.of_messages.setdefault(alike, Kind(node, is_message=bool(messages)))
+        alike = (node, *(form.message for form in forms)) if forms else (node, frame.data[:1])
+        kind = line.kinds[key] = line.of_messages.setdefault(alike, Kind(node, is_message=bool(forms)))
         return kind
 
     def _runs(self) -> Mapping[NodeFrames, Runs]:
@@ -178,13 +180,6 @@ class Identifier:
                 merged = sorted(own + to_all[node.bus], key=_NUMBER) if is_asked else own
                 runs.setdefault(node, []).append(merged)
         return runs
-
-    def _results(self, node: NodeFrames, runs: Runs, busiest: int) -> list[NodeResult]:
-        is_stray = STRAY * node.total <= busiest and 2 * node.near < node.total
-        parts = [*results(node, runs, self._readers)]
-        if len(parts) == 1:
-            parts = [dataclasses.replace(parts[0], total=node.total)]
-        return [dataclasses.replace(part, is_stray=is_stray) for part in parts]
 
 
 def _with_broadcasts(results: Sequence[NodeResult]) -> Iterator[NodeResult]:

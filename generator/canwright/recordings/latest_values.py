@@ -11,12 +11,12 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from ..model.message import Direction, Message
-from ..model.metadata import FrameFormat
+from ..model.message import Direction
 from ..semantics.bus_load import frame_bits
 from ..semantics.frame import CanFrame
 from ..targets.selected_nodes import selected_nodes
 from .directions import DecidedBy
+from .log_frame import MAX_CLASSIC_BYTES
 from .rows import Row
 
 SECOND = 1_000_000_000
@@ -175,7 +175,7 @@ class LatestValues:
 
     def _count(self, frame: CanFrame) -> None:
         self._frames += 1
-        is_fd = len(frame.data) > FrameFormat.CLASSIC.max_data_bytes
+        is_fd = len(frame.data) > MAX_CLASSIC_BYTES
         self._bits += frame_bits(frame.extended, len(frame.data), is_fd=is_fd).most
 
     def _replace(self, key: tuple[object, ...], row: Row) -> None:
@@ -215,7 +215,6 @@ class LatestValues:
 def _place(row: Row, number: int) -> _Place:
     """Where an entry is among the others; rejected frames are behind the messages of their node."""
     form = row.form
-    message: Message | None = None if row.judged.rejection else form.message
     node = -1 if form.node is None else form.node
-    command = message.command if message else f"\uffff{number}"
+    command = form.message.command if form.message else f"\uffff{number}"
     return form.bus, node, command, form.direction is Direction.REPLY

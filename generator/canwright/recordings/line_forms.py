@@ -14,17 +14,15 @@ from typing import NamedTuple
 from .lines import decimal, frames_of
 from .log_frame import (
     FD_LENGTHS,
+    MARKS,
     MAX_CLASSIC_BYTES,
     Counts,
     LogError,
     LogFrame,
-    Mark,
     SkippedPart,
     log_frame,
     nanoseconds,
 )
-
-_MARKS = {"R": Mark.RECEIVED, "T": Mark.SENT}
 
 
 @dataclass
@@ -88,7 +86,7 @@ def _read(form: LineForm, state: State, line: str) -> LogFrame | SkippedPart:
         data = b"" if fields["remote"] else _data(fields, line, state.base)
     except ValueError:
         return SkippedPart.MALFORMED
-    mark, extended = _MARKS.get(fields["mark"].upper()), bool(fields["extended"] or fields["long"])
+    mark, extended = MARKS.get(fields["mark"].upper()), bool(fields["extended"] or fields["long"])
     return log_frame(time, fields["bus"] or form.bus, id_, data, mark, extended=extended, remote=bool(fields["remote"]))
 
 

@@ -16,15 +16,13 @@ def decimal(written: str, digits: int) -> int:
     return int(whole + fraction[:digits].ljust(digits, "0"))
 
 
-def frames_of(
-    lines: Iterable[str], read: Read, counts: Counts, *, start: int = 1, are_timed: bool = True
-) -> Iterator[LogFrame]:
+def frames_of(lines: Iterable[str], read: Read, counts: Counts, *, are_timed: bool = True) -> Iterator[LogFrame]:
     """The frames of numbered lines, each read once. Other lines before the first frame are the header.
 
     Where lines `are_timed`, a frame without a time is one whose time cannot be read.
     """
     is_header = True
-    for number, line in enumerate(lines, start):
+    for number, line in enumerate(lines, start=1):
         part = SkippedPart.MALFORMED if line.startswith(OVERLONG) else read(line)
         if isinstance(part, LogFrame):
             is_header = False

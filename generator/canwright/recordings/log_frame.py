@@ -32,6 +32,10 @@ class Mark(str, Enum):
     RECEIVED = "Rx"
 
 
+MARKS = {"R": Mark.RECEIVED, "T": Mark.SENT}
+"""The marks by their letters."""
+
+
 class LogFrame(NamedTuple):
     """A frame of a log; `time` in nanoseconds since the epoch or the start of the log, `bus` as the log names it."""
 

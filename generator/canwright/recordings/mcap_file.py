@@ -53,7 +53,8 @@ class McapFile:
 
         self._writer = Writer(file)
         self._writer.start(library="canwright")
-        self._topics: dict[tuple[str, int | None, Layout], _Topic] = {}
+        self._topics: dict[tuple[str, int | None, Layout], tuple[int, Mapping[str, str]]] = {}
+        """The number of each topic in the file, and the properties of its columns."""
         self._names: set[str] = set()
         self._schemas: dict[Layout, _Schema] = {}
         self._time = 0
@@ -63,18 +64,19 @@ class McapFile:
         (time, bus, _, _), _, node, edition, _, _, message, *_ = row.judged
         if message is None or edition is None:
             return
-        topic = self._topics.get((bus, node, message.layout)) or self._topic(bus, node, edition, message)
+        known = self._topics.get((bus, node, message.layout))
+        channel, properties = known or self._topic(bus, node, edition, message)
         if time is None or time < 0:
             self.untimed += 1
         else:
             self._time = time
-        data = _json(_content(row, topic.properties))
-        self._writer.add_message(topic.channel, log_time=self._time, data=data, publish_time=self._time)
+        data = _json(_content(row, properties))
+        self._writer.add_message(channel, log_time=self._time, data=data, publish_time=self._time)
 
     def close(self) -> None:
         self._writer.finish()
 
-    def _topic(self, bus: str, node: int | None, edition: Edition, message: Message) -> _Topic:
+    def _topic(self, bus: str, node: int | None, edition: Edition, message: Message) -> tuple[int, Mapping[str, str]]:
         if len(self._topics) == MAX_TOPICS:
             raise LogError(
                 f"the log has more than {MAX_TOPICS} pairs of a node and a layout, and an MCAP file no more topics; "
@@ -84,8 +86,8 @@ class McapFile:
         parts = [_identifier(bus), edition.family, "" if node is None else f"node{node}", schema.table]
         name = free_name("".join(f"/{part}" for part in parts if part), self._names)
         origin = {"bus": bus_name(bus), "family": edition.family, "edition": edition.name, "spec": edition.hash}
-        channel = self._writer.register_channel(name, "json", schema.number, origin)
-        self._topics[bus, node, message.layout] = topic = _Topic(channel, schema.properties)
+        channel: int = self._writer.register_channel(name, "json", schema.number, origin)
+        self._topics[bus, node, message.layout] = topic = channel, schema.properties
         return topic
 
     def _schema(self, edition: Edition, layout: Layout) -> _Schema:
@@ -101,13 +103,6 @@ class _Schema(NamedTuple):
 
     number: int
     table: str
-    properties: Mapping[str, str]
-
-
-class _Topic(NamedTuple):
-    """The number of a topic in the file, and the properties of columns by name."""
-
-    channel: int
     properties: Mapping[str, str]
 
 

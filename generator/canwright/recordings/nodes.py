@@ -102,11 +102,12 @@ class Nodes:
 
     def assignment(self, bus: str, node: int | None) -> Assignment:
         """The parameters of a node. A setting of the node replaces one of all nodes."""
-        assigned: dict[str, str] = {}
-        for setting in sorted(self.settings, key=lambda setting: (setting.node is not None, setting.bus is not None)):
-            if isinstance(setting.value, str) and setting.applies(bus, node):
-                assigned[setting.name] = setting.value
-        return assigned
+        return {name: value for _, _, name, value in self._settings_of(bus, node) if isinstance(value, str)}
+
+    def _settings_of(self, bus: str, node: int | None) -> Sequence[NodeSetting]:
+        """The settings of a node, after those of all nodes."""
+        own = (setting for setting in self.settings if setting.applies(bus, node))
+        return sorted(own, key=lambda setting: (setting.node is not None, setting.bus is not None))
 
     def label(self, judged: DirectedFrame) -> str:
         """The names of the editions that fit the node of a frame; exactly one if it is identified or given."""
@@ -123,9 +124,9 @@ class Nodes:
     def choose(self, bus: str, node: int | None, choice: Choice) -> None:
         """Adds a choice, unless the user has given the edition of the node."""
         key = bus, node
-        given = self._given(bus, node)
-        if given is not None:
-            self.editions[key] = given
+        given = [value for *_, value in self._settings_of(bus, node) if isinstance(value, Edition)]
+        if given:
+            self.editions[key] = given[-1]
             return
         choices = self.identified.setdefault(key, [])
         choices.append(choice)
@@ -133,13 +134,6 @@ class Nodes:
             self.changes.setdefault(choice.start.number, []).append(Change(bus, node, choice.edition))
         elif choice.edition is not None:
             self.editions[key] = choice.edition
-
-    def _given(self, bus: str, node: int | None) -> Edition | None:
-        given = sorted(self.settings, key=lambda setting: (setting.node is None, setting.bus is None))
-        return next(
-            (setting.value for setting in given if isinstance(setting.value, Edition) and setting.applies(bus, node)),
-            None,
-        )
 
     def is_stray(self, bus: str, node: int | None) -> bool:
         """Whether a node has few frames that are far apart, as frames with a damaged id are."""
@@ -164,13 +158,10 @@ class Nodes:
 
 def common_edition(editions: Sequence[Edition], settings: Sequence[NodeSetting]) -> Edition | None:
     """The edition that all nodes have: given by the user, or the only one; None if nodes can have different ones."""
-    given = [setting for setting in settings if isinstance(setting.value, Edition)]
-    if any(setting.bus is not None or setting.node is not None for setting in given):
+    given = [(value, (bus, node)) for bus, node, _, value in settings if isinstance(value, Edition)]
+    if any(place != (None, None) for _, place in given):
         return None
-    return next(
-        (setting.value for setting in given if isinstance(setting.value, Edition)),
-        editions[0] if len(editions) == 1 else None,
-    )
+    return given[0][0] if given else editions[0] if len(editions) == 1 else None
 
 
 class Identifiers:

@@ -189,21 +189,20 @@ class Observed:
         self._copies.add(judged, 0 if time is None else time, command)
         if command is None:
             return
+        is_certain = judged.decided_by in ("content", "id", "mark")
         if judged.direction is Direction.REQUEST:
             self.requests += command.reply is not None and not command.is_echoed
         else:
             self.replies += command.only_answers
             self.unexpected += command.only_answers and judged.request is None
-            self._certain += judged.decided_by in ("content", "id", "mark")
+            self._certain += is_certain
         if time is None:
             return
         self._times = math.gcd(self._times, time)
         if judged.direction is not Direction.REPLY:
             return
-        is_certain = judged.decided_by in ("content", "id", "mark") and not (
-            command.from_each or command.reply_frames > 1
-        )
-        if judged.latency is not None and is_certain and command.reply_within_ms is None:
+        is_single = not command.from_each and command.reply_frames <= 1
+        if judged.latency is not None and is_certain and is_single and command.reply_within_ms is None:
             self._latencies.append(judged.latency)
         if judged.decided_by == "content" and command.request is not None:
             bits = self._reserved_bits(command.request, judged.recorded.frame)

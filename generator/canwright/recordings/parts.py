@@ -28,14 +28,14 @@ Runs = Sequence[Sequence[Arrival]]
 """Frames of a node, and those for all nodes of its bus; within a run none is missing."""
 
 
-def results(node: NodeFrames, runs: Runs, readers: Sequence[EditionReader]) -> Iterator[NodeResult]:
-    """The result of each part of the frames of a node."""
-    return _results(node, runs, readers, MAX_DIVISIONS, None)
-
-
-def _results(
-    node: NodeFrames, runs: Runs, readers: Sequence[EditionReader], divisions: int, start: Place | None
+def results(
+    node: NodeFrames,
+    runs: Runs,
+    readers: Sequence[EditionReader],
+    divisions: int = MAX_DIVISIONS,
+    start: Place | None = None,
 ) -> Iterator[NodeResult]:
+    """The result of each part of the frames of a node."""
     part = _Part(node, runs, readers)
     at = part.change() if divisions else None
     if at is None:
@@ -44,8 +44,8 @@ def _results(
     number, recorded, _ = part.arrivals[at]
     before = [[arrival for arrival in run if arrival.number < number] for run in runs]
     after = [[arrival for arrival in run if arrival.number >= number] for run in runs]
-    yield from _results(node, [run for run in before if run], readers, divisions - 1, start)
-    yield from _results(node, [run for run in after if run], readers, divisions - 1, Place(number, recorded.time))
+    yield from results(node, [run for run in before if run], readers, divisions - 1, start)
+    yield from results(node, [run for run in after if run], readers, divisions - 1, Place(number, recorded.time))
 
 
 class _Part:
@@ -61,6 +61,9 @@ class _Part:
         """The positions of the frames of the node itself."""
         self.unexplained: Counter[Kind] = Counter()
         """Frames that no edition has."""
+        self.tried = [0] * len(readers)
+        """For each edition, the number of requests that only others have, and that no node answers in any."""
+        self._answered = {at for own in self.readings for at in own.asked.values()}
         self.points = [[*self._points(at)] for at in self.own]
         """The points of each frame against each edition."""
 
@@ -74,18 +77,10 @@ class _Part:
         having = [reading for reading in readings if not reading.is_rejected]
         if not having:
             self.unexplained[self.arrivals[at].kind] += 1
-        counts = having and not all(reading.is_request for reading in having)
-        return (reading.points if counts else 0 for reading in readings)
-
-    def _tried(self) -> Sequence[int]:
-        """For each edition, the number of requests that only others have, and that no node answers in any."""
-        answered = {at for readings in self.readings for at in readings.asked.values()}
-        rejected = [0] * len(self.readings)
-        for at in self.own:
-            frames = [readings.frames[at] for readings in self.readings]
-            if at not in answered and {frame.is_request for frame in frames if not frame.is_rejected} == {True}:
-                rejected = [count + frame.is_rejected for count, frame in zip(rejected, frames, strict=True)]
-        return rejected
+        is_request = all(reading.is_request for reading in having)
+        if having and is_request and at not in self._answered:
+            self.tried = [count + reading.is_rejected for count, reading in zip(self.tried, readings, strict=True)]
+        return (0 if is_request else reading.points for reading in readings)
 
     def change(self) -> int | None:
         """The position of the first frame of another edition; None if the edition does not change."""
@@ -107,16 +102,15 @@ class _Part:
     def result(self, start: Place | None) -> NodeResult:
         """The result for the node."""
         explained = [self._explained(number) for number in range(len(self.editions))]
-        tried = self._tried()
         frames = Counter(self.arrivals[at].kind for at in self.own)
-        noise = len(self.own) - max(map(sum, zip(explained, tried, strict=True)))
+        noise = len(self.own) - max(map(sum, zip(explained, self.tried, strict=True)))
         rare = max(math.sqrt(len(self.own)) / 10, noise / 32)
         often = [frames[self.arrivals[at].kind] >= rare for at in self.own]
         scores = [
             EditionScore(
                 edition,
                 explained[number],
-                tried[number],
+                self.tried[number],
                 sum(points[number] for points, counts in zip(self.points, often, strict=True) if counts),
                 self._evidence(number, rare),
                 *self._requests(readings),

@@ -8,6 +8,7 @@ import functools
 import gzip
 import io
 import lzma
+import re
 import select
 import sys
 import time
@@ -16,8 +17,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
+from ..semantics.frame import CanFrame
+from ..targets.columns.runtime._candump import RecordedFrame, read_line
 from . import by_python_can, candump, line_forms, pcap, slcan, sqlite_table
-from .form_signs import form_of
 from .log_frame import OVERLONG, Counts, LogError as LogError, LogFrame, SkippedPart
 from .packages import MissingPackageError
 from .split import joined
@@ -56,6 +58,19 @@ TEXTS = {
     "slcan": slcan.read,
     **{name: line_forms.reader(form) for name, form in line_forms.FORMS.items()},
 }
+_AS_LINES = "write each frame as a line `(1700000000.000000) can0 141#9A00000000000000`"
+_FOREIGN = {
+    re.compile(r"header:\s+stamp:|(?:.*\n){0,12}is_rtr:"): "`ros2 topic echo` prints this; record the bus with "
+    f"`candump -l`, or {_AS_LINES} (`id` and `data` are decimal)",
+    re.compile(r"# Logger type:|Timestamp;Type;ID;Data"): f"a logger such as CL2000 writes this; {_AS_LINES}",
+    re.compile("TimestampEpoch;"): f"mdf2csv writes this; read the MF4 file that it converts, or {_AS_LINES}",
+}
+"""Texts that are not read, with the way to convert them."""
+_ID_AND_BYTES = re.compile(
+    r"\s*(?:0x)?(?P<id>[\da-f]{3}|[\da-f]{8})\s*[#:,\s]\s*(?P<data>(?:(?:0x)?[\da-f]{2}[,\s]*)*)",
+    re.ASCII | re.IGNORECASE,
+)
+"""An id and bytes with any spaces, commas and prefixes between them."""
 
 
 class Log:
@@ -214,7 +229,7 @@ def _frames(
             return read(source, counts)
     encoding = next((name for mark, name in _MARKED.items() if start.startswith(mark)), _unmarked(start))
     lines = _lines(io.TextIOWrapper(source, encoding, errors="replace"))
-    form = form_of(start.decode(encoding, "replace").lstrip("\ufeff"))
+    form = _form_of(start.decode(encoding, "replace").lstrip("\ufeff"))
     frames = TEXTS[form](lines, counts)
     return since_start(frames, counts, ahead if form == "candump" else 0, are_differences=are_differences)
 
@@ -233,3 +248,38 @@ def _lines(text: io.TextIOWrapper) -> Iterator[str]:
 def _unmarked(start: bytes) -> str:
     """The encoding of a text without a mark: every other byte of ASCII in UTF-16 is 0."""
     return "utf-16-le" if start[1:4:2] == b"\0\0" else "utf-16-be" if start[0:4:2] == b"\0\0" else "utf-8"
+
+
+def _form_of(start: str) -> str:
+    """The name of the format of a text that starts so. Raises LogError for a text that has to be converted."""
+    lowered = start.lstrip().lower()
+    for name, form in line_forms.FORMS.items():
+        if lowered.startswith(form.starts):
+            return name
+    for pattern, conversion in _FOREIGN.items():
+        if pattern.match(start):
+            raise LogError(conversion)
+    for line in start.splitlines():
+        if isinstance(read_line(line), RecordedFrame):
+            break
+        written = line.strip()
+        if slcan.FRAME.fullmatch(written):
+            return "slcan"
+        for name, listed in line_forms.FORMS.items():
+            if listed.header is None and any(pattern.fullmatch(written) for pattern in listed.frames):
+                return name
+    return "candump"
+
+
+def pasted_frame(text: str) -> CanFrame | None:
+    """The frame on a line of any form of a log, or of an id and bytes; None without one."""
+    for read in TEXTS.values():
+        with contextlib.suppress(LogError):
+            for recorded in read([f"{text}\n"], Counts()):
+                return recorded.frame
+    match = _ID_AND_BYTES.fullmatch(text)
+    if match is None:
+        return None
+    data = bytes.fromhex(match["data"].lower().replace("0x", "").replace(",", " "))
+    frames = TEXTS["candump"]([f"{match['id']}#{data.hex()}\n"], Counts())
+    return next((recorded.frame for recorded in frames), None)

@@ -92,7 +92,7 @@ class EditionReader:
         for row in self._rows.rows(self._directed(runs, listed)):
             judged = row.judged
             frames.append(self._reading(row))
-            if judged.message is None or judged.rejection is not None or judged.decided_by is DecidedBy.COPY:
+            if judged.message is None or judged.decided_by is DecidedBy.COPY:
                 continue
             command = self.edition.command(judged.message.command)
             if judged.request is not None:
@@ -131,17 +131,12 @@ class EditionReader:
             {}, self.edition, window=slowest or self._window, recorder=self._recorder, behaviours=behaviours
         )
         for run in runs:
-            arrived = [directions.accept(frame) for frame in run]
-            directions.decide_pending(run[0].bus)
+            yield from directions.classify(run)
             directions.forget(run[0].bus)
-            for frame in arrived:
-                directed = frame if isinstance(frame, DirectedFrame) else frame.directed
-                assert directed is not None
-                yield directed
 
     def _reading(self, row: Row) -> Reading:
         judged, form = row.judged, row.form
-        if judged.decided_by is not DecidedBy.COPY and (judged.message is None or judged.rejection is not None):
+        if judged.message is None and judged.decided_by is not DecidedBy.COPY:
             return self._rejection(judged)
         if form not in self._known:
             if len(self._known) >= MAX_FORMS:

@@ -9,16 +9,14 @@ from typing import NamedTuple
 from ..model.edition import Edition
 from ..model.message import Command, Direction, Message
 from ..model.refusal import Refusal
-from ..model.sending import Sending
 from ..semantics.decoder import Rejection
 from ..semantics.exchange import repeats_request
 from ..semantics.frame import CanFrame
-from .counter_gaps import CounterGaps
 from .directions import DecidedBy, DirectedFrame
 from .effects import FormEffects, NodeEffects, form_effects
-from .frame_classes import WINDOW
+from .frame_classes import SOON
+from .gaps import CounterGaps, Periods
 from .log_frame import new_tuple
-from .periods import Periods
 from .rows import MAX_FORMS, Cell, Row, RowForm
 
 _MAX_WAITING = 1 << 16
@@ -153,20 +151,22 @@ class Summary:
             return
         counted = self._forms.get(form) or self._counted(form, form.edition)
         counted.count += 1
-        message = form.message
-        if message is None or form.decided_by is DecidedBy.COPY:
-            if judged.rejection is not None and form.decided_by is not DecidedBy.COPY:
-                self._reject(counted.node, judged.rejection, frame)
+        if form.decided_by is DecidedBy.COPY:
             return
-        if message.sending is not None and time is not None and judged.rejection is None:
-            _time(counted.node, message, message.sending, judged.number, time)
-        if form.counters and judged.rejection is None:
-            _count(counted.node, message, row)
+        node, message = counted.node, form.message
+        if message is None:
+            if judged.rejection is not None:
+                known = node.rejected.setdefault(judged.rejection.reason, RejectedFrames(judged.rejection, frame))
+                known.count += 1
+            return
+        sending = message.sending
+        if time is not None and sending is not None and (sending.every_ms or sending.timeout_ms):
+            node.periods.setdefault(message, Periods(sending)).add(judged.number, time)
+        for at, role in form.counters:
+            node.counters.setdefault((message, form.columns[at].name), CounterGaps(role)).add(row.fields[2 * at])
         if implausible:
-            self._add_implausible(counted.node, row)
-        if judged.rejection is not None:
-            self._reject(counted.node, judged.rejection, frame)
-        elif form.direction is Direction.REQUEST:
+            self._add_implausible(node, row)
+        if form.direction is Direction.REQUEST:
             self._request(counted, judged)
             if counted.effects is not None:
                 self._add_effects(counted.effects, row)
@@ -236,10 +236,6 @@ class Summary:
                 self.effects[place] = NodeEffects()
             self.effects[place].add(effects, row.fields, row.judged.number)
 
-    def _reject(self, node: NodeSummary, rejection: Rejection, frame: CanFrame) -> None:
-        known = node.rejected.setdefault(rejection.reason, RejectedFrames(rejection, frame))
-        known.count += 1
-
     def _request(self, counted: _Counted, judged: DirectedFrame) -> None:
         assert counted.command is not None
         if not counted.command.replies:
@@ -295,21 +291,4 @@ def _is_soon(before: DirectedFrame, judged: DirectedFrame) -> bool:
     start, end = before.recorded.time, judged.recorded.time
     if start is None or end is None or before.message is not judged.message:
         return False
-    return 0 <= end - start < WINDOW // 4
-
-
-def _count(node: NodeSummary, message: Message, row: Row) -> None:
-    """Counts the gaps before the counters of a frame."""
-    for at, role in row.form.counters:
-        key = message, row.form.columns[at].name
-        if key not in node.counters:
-            node.counters[key] = CounterGaps(role)
-        node.counters[key].add(row.fields[2 * at])
-
-
-def _time(node: NodeSummary, message: Message, sending: Sending, number: int, time: int) -> None:
-    """Counts the gap before a frame of a message with a period or a time-out."""
-    if sending.every_ms or sending.timeout_ms:
-        if message not in node.periods:
-            node.periods[message] = Periods(sending)
-        node.periods[message].add(number, time)
+    return 0 <= end - start < SOON

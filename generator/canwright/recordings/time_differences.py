@@ -13,20 +13,14 @@ def since_start(frames: Iterator[LogFrame], counts: Counts, ahead: int, *, are_d
     the one before.
     """
     start: list[LogFrame] = []
-    if not are_differences:
-        try:
-            are_differences = _has_differences(frames, start, ahead)
-        except Exception:  # what a damaged log has before its end is read
-            yield from start
-            raise
-    if not are_differences:
+    try:
+        counts.has_differences = are_differences or _has_differences(frames, start, ahead)
+    except Exception:  # what a damaged log has before its end is read
         yield from start
-        yield from frames
-        return
-    counts.has_differences = True
+        raise
     time = 0
     for recorded in chain(start, frames):
-        if recorded.time is None:
+        if not counts.has_differences or recorded.time is None:
             yield recorded
         else:
             time += recorded.time

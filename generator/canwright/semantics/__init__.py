@@ -4,7 +4,7 @@
 - `plan`: the steps of decoding and encoding a message, with their order; accepted keys and reserved bits;
 - `valid_raws`: the raw integers that a type allows;
 - `exchange`: which replies answer which request;
-- `decoder`, `encoder`, `candidates`: the reference, which executes the plan, with reasons for rejection.
+- `decoder`, `encoder`: the reference, which executes the plan, with reasons for rejection.
 
 Belongs here: every fact about frames that more than one target needs. Imports the model alone.
 """
