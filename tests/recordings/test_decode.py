@@ -930,6 +930,8 @@ def test_a_curve_has_the_extremes_of_any_number_of_points() -> None:
         (["bus.log", "--split", "missing/a.log"], "missing"),
         (["141#A1", "--format", "csv"], "are for logs"),
         (["141#A1000"], "is neither a file nor a frame such as 141#A100FF (malformed)"),
+        (["192497F#80"], "an id has 3 digits, or 8 if it has 29 bits; write 0192497F#80"),
+        (["41#A1"], "an id has 3 digits, or 8 if it has 29 bits; write 041#A1"),
         (["missing.log"], "does not exist"),
     ],
 )
