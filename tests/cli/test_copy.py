@@ -56,6 +56,12 @@ def test_a_label_or_a_date_that_would_be_a_number_is_quoted(lamp: Path) -> None:
     assert (lamp / "6.06.yaml").read_text("utf-8") == made.replace("6.05", "6.06").replace("2026", "2027")
 
 
+def test_an_edition_in_a_file_of_another_name_is_named(lamp: Path) -> None:
+    (lamp / "v1.yaml").write_text(OLD.replace("edition: v1 ", 'edition: "6.05" '), "utf-8")
+    says = "no file has the name of the edition `6.05`; write `lamp/v1`, or rename that file to 6.05.yaml"
+    assert says in copy("6.05", "6.06").output
+
+
 def test_no_frames_copies_the_spec_without_golden_frames(lamp: Path) -> None:
     result = copy("spec/lamp/v1.yaml", "v2", "--no-frames")
     assert result.stdout == "wrote spec/lamp/v2.yaml\n"

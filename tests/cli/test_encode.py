@@ -143,3 +143,17 @@ def test_an_edition_without_the_reply_is_refused_beside_those_that_have_it() -> 
     assert request.exit_code == 0 and request.stdout.endswith("  cansend can0 141#A10000009B000000\n")
     reply = run("dim", "--reply", "--node=1")
     assert reply.exit_code == 2
+
+
+def test_editions_of_one_name_are_chosen_by_their_family(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for family in ("lamp", "desk"):
+        (tmp_path / f"{family}.yaml").write_text(MINIMAL.replace("family: lamp", f"family: {family}"), "utf-8")
+    specs = ("--spec", "lamp.yaml", "--spec", "desk.yaml")
+    lines = ["encode", "dim", "level=1", "--node", "1", *specs]
+    chosen = CliRunner().invoke(main, [*lines, "--edition", "desk/v1"])
+    assert "in desk v1" in chosen.output and "in lamp v1" not in chosen.output
+    (tmp_path / "bus.log").write_text("(1.0) can0 101#10000A0000000000\n", "utf-8")
+    ambiguous = CliRunner().invoke(main, ["decode", "bus.log", *specs, "--set", "edition=v1"])
+    assert "use one of: edition=desk/v1|lamp/v1" in ambiguous.output
+    assert CliRunner().invoke(main, ["decode", "bus.log", *specs, "--set", "edition=desk/v1"]).exit_code == 0

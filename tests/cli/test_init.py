@@ -38,6 +38,11 @@ def init(*arguments: str) -> Result:
         (("--broadcast", "--code", "id", "--byte-order", "big"), [0x21, 0x22]),
         (("--broadcast", "--code", "none", "--id", "0x180 + node"), [0x181]),
         (("--code", "none", "--id", "0x10", "--reply-id", "0x18", "--byte-order", "big"), [0x10, 0x18]),
+        (("--code", "id", "--extended", "--id", "node", "--nodes", "0..254"), [0x100, 0x100, 0x200, 0x200]),
+        (
+            ("--code", "id", "--extended", "--id", "node", "--reply-id", "host_id + (node << 8)"),
+            [0x10001, 0x10101, 0x20001, 0x20101],
+        ),
         (("--code", "id", "--extended", "--id", "node << 8", "--edition", "2.0"), [0x101, 0x101, 0x102, 0x102]),
     ],
 )

@@ -893,6 +893,8 @@ def test_a_curve_has_the_extremes_of_any_number_of_points() -> None:
         (["-", "--follow"], "--follow needs a file"),
         (["141#A1", "--follow"], "--follow is for a file"),
         (["bus.log", "--from-split"], "`can0` is no channel of a file that --split writes; omit --from-split"),
+        (["192497F#80"], "an id has 3 digits, or 8 if it has 29 bits; write 0192497F#80"),
+        (["41#A1"], "an id has 3 digits, or 8 if it has 29 bits; write 041#A1"),
     ],
 )
 def test_wrong_arguments(arguments: list[str], message: str) -> None:

@@ -13,6 +13,7 @@ import click
 
 from ..diagnostics.diagnostic import Diagnostic, Severity, SpecError, near, nearest
 from ..diagnostics.unicode_safety import visible
+from ..model.edition import Edition
 from ..model.formatting import counted
 from ..output.new_files import write_new
 from ..project.configuration import Configuration, candidates, configuration_file, read_configuration
@@ -135,13 +136,19 @@ def read(specs: Sequence[Path], printer: str = "text", *, packaged: bool = False
 
 
 def of_edition(specifications: Sequence[EditionInput], name: str | None) -> Sequence[EditionInput]:
-    """Those of the edition with this name, or all without one. Stops if there is none."""
+    """Those of the edition with this name, `v1` or `lamp/v1`, or all without one. Stops if there is none."""
     if name is None:
         return specifications
-    names = [item.edition.name for item in specifications]
-    if name not in names:
-        stop(f"there is no edition `{name}`; {nearest(name, names) or 'run `canwright editions` for a list'}")
-    return [item for item in specifications if item.edition.name == name]
+    chosen = [item for item in specifications if name in (item.edition.name, full_name(item.edition))]
+    if not chosen:
+        known = [item.edition.name for item in specifications]
+        stop(f"there is no edition `{name}`; {nearest(name, known) or 'run `canwright editions` for a list'}")
+    return chosen
+
+
+def full_name(edition: Edition) -> str:
+    """The name of an edition with its family, which is unique: `lamp/v1`."""
+    return f"{edition.family}/{edition.name}"
 
 
 def or_packaged(specs: Sequence[Path]) -> Sequence[Path]:

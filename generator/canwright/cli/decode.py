@@ -69,6 +69,10 @@ class LogOrFrame(click.Path):
             if "#" in value:
                 counts = Counts()
                 list(candump.read([f"{value}\n"], counts))
+                id_, separator, data = value.partition("#")
+                padded = f"{id_.zfill(3 if len(id_) < 3 else 8)}{separator}{data}"
+                if pasted_frame(padded) is not None:
+                    self.fail(f"an id has 3 digits, or 8 if it has 29 bits; write {visible(padded)}", param, ctx)
                 part = next(iter(counts.skipped)).value
                 self.fail(f"`{visible(value)}` is neither a file nor a frame such as 141#A100FF ({part})", param, ctx)
         return super().convert(value, param, ctx)

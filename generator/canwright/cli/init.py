@@ -146,13 +146,14 @@ def init(
       canwright init lamp --id '0x300 + node' --nodes 1..32
       canwright init pump --id '0x600 + node' --reply-id '0x580 + node' --nodes 1..127
       canwright init axis --code id --id 'node << 5' --nodes 0..62
+      canwright init wheel --code id --id node --nodes 0..254 --extended
       canwright init arm --id node --reply-id master_id --nodes 1..8
       canwright init battery --code none --broadcast --id '0x180 + node' --byte-order big
 
     It writes FAMILY/EDITION.yaml and its golden frames to spec/, with one or two commands as examples. Both files are valid:
     `canwright generate` works at once. Replace the examples by the facts of the manual. A name in a rule is a setting of the device. A rule without `node` is one id
-    for all. With --code id, the lowest bits of the id are the code, as many as the rule leaves free: 5 for 'node << 5'. With --code none,
-    the id identifies a command.
+    for all. With --code id, the lowest bits of the id are the code, as many as the rule leaves free: 5 for 'node << 5'. If it leaves none
+    in a 29-bit id, the next byte above the node is the code. With --code none, the id identifies a command.
 
     Exit status: 0, or 2 if nothing was written: a file exists, or an option does not fit.
     """
@@ -165,7 +166,7 @@ def init(
     reply_rule = reply_id or rule
     first_node = f" node: {nodes.partition('..')[0]},"
     has_node = "node" in rule or "node" in reply_rule
-    bits = _code_bits(rule, reply_id, extended=extended) if code == "id" else 8
+    start, bits = _code_in_id(rule, reply_id, extended=extended) if code == "id" else (0, 8)
     settings = dict.fromkeys(filter(None, map(_setting, (rule, reply_rule))))
     ids = f"request: {rule}, reply: {reply_id}" if reply_id else f"id: {rule}"
     commands = (("state", "speed_limit") if broadcast else ("read_state", "set_speed"))[: 1 if code == "none" else 2]
@@ -173,7 +174,7 @@ def init(
         "request": first_node * ("node" in rule) + _known(settings, rule),
         "reply": first_node * ("node" in reply_rule) + _known(settings, reply_rule),
     }
-    position = {"data": {"note": "", "at": "0"}, "id": {"note": ": the lowest bits of the id", "at": "id.0"}}
+    position = {"data": {"note": "", "at": "0"}, "id": {"note": ": bits of the id", "at": f"id.{start}"}}
     facts = {
         "file": target.as_posix(),
         "family": family,
@@ -231,18 +232,22 @@ def _known(names: Collection[str], rule: str) -> str:
     return f" parameters: {{{name}: 1}}," if name in names else ""
 
 
-def _code_bits(rule: str, reply_rule: str | None, *, extended: bool) -> int:
-    """The number of low bits that both rules leave free for the code. Stops without any."""
-    free = []
+def _code_in_id(rule: str, reply_rule: str | None, *, extended: bool) -> tuple[int, int]:
+    """The first bit and the width of a code in the id: the low bits that both rules leave free, or a byte above. Stops without any."""
+    free, shifts = [], []
     for text in filter(None, (rule, reply_rule)):
         shift = re.search(r"node\s*<<\s*(\d{1,2})", text)
-        if "node" not in text:
-            free.append(29 if extended else 11)
-        elif shift is None:
-            stop(f"--code id: `{text}` leaves no bits for the code; shift the node, for example --id 'node << 5'")
-        else:
-            free.append(int(shift[1]))
-    return min(free)
+        shifts.append(int(shift[1]) if shift else 0)
+        free.append(
+            (29 if extended else 11) if "node" not in text else 0 if extended and _setting(text) else shifts[-1]
+        )
+    if min(free):
+        return 0, min(free)
+    if not extended:
+        stop(
+            f"--code id: `{reply_rule if free[0] else rule}` leaves no bits for the code; shift the node, for example --id 'node << 5'"
+        )
+    return 8 * (max(shifts) // 8 + 1), 8
 
 
 def _check(texts: dict[Path, str], target: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ from ..model.edition import Edition
 from ..model.message import Direction
 from ..recordings.nodes import EDITION, NodeSetting
 from ..semantics.configured import configured
-from .common import stop
+from .common import full_name, stop
 from .settings import check_value
 
 recorder_option = click.option(
@@ -82,7 +83,9 @@ def bus_of(editions: Sequence[Edition], settings: Sequence[str]) -> Bus:
 
 def _node_settings(editions: Sequence[Edition], settings: Sequence[str]) -> list[NodeSetting]:
     unique: dict[tuple[str | None, int | None, str], NodeSetting] = {}
-    by_name = {edition.name: edition for edition in editions}
+    names = Counter(edition.name for edition in editions)
+    shortest = {edition.name if names[edition.name] == 1 else full_name(edition): edition for edition in editions}
+    by_name = {full_name(edition): edition for edition in editions} | shortest
     for setting in settings:
         left, _, value = setting.partition("=")
         scope, _, name = left.rpartition(":")
@@ -91,7 +94,7 @@ def _node_settings(editions: Sequence[Edition], settings: Sequence[str]) -> list
             stop(f"--set {setting}: `{node}` is not a node; write NODE:NAME=VALUE, for example 3:{name}={value}")
         chosen: Edition | str = by_name.get(value, value) if name == EDITION else value
         if isinstance(chosen, str):
-            check_value(editions, setting, name, value, f"{EDITION}={'|'.join(by_name)}")
+            check_value(editions, setting, name, value, f"{EDITION}={'|'.join(shortest)}")
         node_setting = NodeSetting(bus or None, int(node) if scope else None, name, chosen)
         if unique.setdefault(node_setting[:3], node_setting) != node_setting:
             stop(f"--set {setting}: `{left}` is already set to another value; remove one")

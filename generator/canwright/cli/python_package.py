@@ -27,14 +27,14 @@ from ..targets.base import EditionInput
 from ..targets.python.client_facts import node_variables
 from ..targets.python.target import TARGET
 from ..targets.python.text import attribute, class_name
-from .common import stop
+from .common import full_name, stop
 from .encode import advice, written_raw
 
 
 def only_edition(specifications: Sequence[EditionInput], remedy: str) -> EditionInput:
     """The only one of the editions; stops if there are several, with what to write."""
     if len(specifications) > 1:
-        names = ", ".join(item.edition.name for item in specifications)
+        names = ", ".join(full_name(item.edition) for item in specifications)
         stop(f"the frames of {names} differ; {remedy}")
     return specifications[0]
 

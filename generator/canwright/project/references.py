@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tempfile
@@ -47,8 +48,19 @@ def find(reference: str, folder: Path, *, for_output: bool = True) -> Loaded:
         if reference in named:
             return load(named[reference], for_output=for_output)
         known = named | known
+    holding = next((name for name, f in known.items() if "/" in name and _is_of(f, reference)), None)
+    if holding:
+        hint = f"write `{holding}`, or rename that file to {reference}.yaml"
+        raise UnknownEditionError(f"no file has the name of the edition `{reference}`; {hint}")
     hint = nearest(reference, known) or "write a file, an edition, or REVISION:FILE"
     raise UnknownEditionError(f"there is no file and no edition `{reference}`; {hint}")
+
+
+def _is_of(file: Path, edition: str) -> bool:
+    """Whether a file states that it describes this edition."""
+    line = rf"^edition: *([\"']?){re.escape(edition)}\1 *(#.*)?$"
+    with file.open(encoding="utf-8", errors="replace") as text:
+        return re.search(line, text.read(MAX_BYTES), re.MULTILINE) is not None
 
 
 @dataclass(frozen=True)

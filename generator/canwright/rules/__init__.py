@@ -51,6 +51,7 @@ RULES: tuple[Rule, ...] = (
     Rule("missing-manual", Phase.PARTS, WARNING),
     Rule("differing-quantity", Phase.PARTS, WARNING),
     Rule("bit-number", Phase.PARTS, WARNING),
+    Rule("flag-masks", Phase.PARTS, WARNING),
     Rule("unused", Phase.COVERAGE, WARNING),
     Rule("long-name", Phase.NAMES, WARNING),
 )
