@@ -16,6 +16,12 @@ LEVEL = "{level: {at: 2, type: level}}"
 INVALID = [
     ("code: 0x10", "code: 1F", "10:11 value", "did you mean 0x1F?"),
     ("code: 0x10", 'code: "0x10"', "10:11 value", "write 0x10 without quotes"),
+    (
+        LEVEL,
+        '{level: {at: 2, type: level}, mark: {at: 5, raw: u8, constant: "0x55"}}',
+        "12:77 value",
+        "write 0x55 without quotes",
+    ),
     ("code: 0x10", "code: 10h", "10:11 value", "did you mean 0x10?"),
     ("code: 0x10", "code: ten", "10:11 value", "write a whole number"),
     ("code: 0x10", "code: 0xFFFFFFFFFFFFFFFFFFFF", "10:11 value", "a whole number has at most 31 digits"),

@@ -417,6 +417,12 @@ class UnionForm(Form):
         wanted = IntegerForm if isinstance(data, int) else (TextForm, NotationForm)
         matching = (form for form in self.scalars if isinstance(form, wanted))
         form = next(words, None) or next(matching, None) or self.scalars[-1]
+        if (
+            isinstance(form, TextForm)
+            and isinstance(data, str)
+            and suggestions.is_quoted_number(data, form.limits.pattern)
+        ):
+            form = next((number for number in self.scalars if isinstance(number, IntegerForm)), form)
         if isinstance(form, TextForm) and self.example and not isinstance(data, str):
             text = f"expected a name or a mapping here{'' if is_scalar(data) else ', not a list'}"
             return self._type(report, location, text, aliases.named(data) or aliases.fields(data))

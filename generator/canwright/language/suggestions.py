@@ -182,6 +182,12 @@ def as_yaml(value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
+def is_quoted_number(written: str, pattern: str | None) -> bool:
+    """Whether a text in quotes is a whole number, and not a name with this pattern."""
+    is_number = re.fullmatch(r"0x[0-9A-Fa-f]+|0|[1-9][0-9]*", written) is not None
+    return is_number and pattern is not None and re.search(pattern, written) is None
+
+
 def integer(written: object) -> str:
     """A hint for a value that is not a whole number."""
     text = str(written).strip()
