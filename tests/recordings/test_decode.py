@@ -756,6 +756,15 @@ def test_what_is_unusual_in_a_frame(frame: str, settings: list[str], text: str, 
     assert text in run(frame, *chosen, status=status).stdout
 
 
+def test_a_float_is_shown_with_its_own_digits_and_exported_exactly() -> None:
+    Path("lamp.yaml").write_text(f"{MINIMAL}  heat: {{code: 0x24, reply: {{heat: {{at: 4, raw: f32}}}}}}\n", "utf-8")
+    log = "(1.0) can0 101#24000000CDCCCC3D\n"
+    assert " 0.1\n" in run("101#24000000CDCCCC3D", "--spec", "lamp.yaml").stdout
+    assert "  heat 0.1\n" in decode(log, "--spec", "lamp.yaml").stdout
+    exported = decode(log, "--spec", "lamp.yaml", "--format", "jsonl").stdout
+    assert json_rows(exported)[0]["fields"] == {"heat": {"raw": 0x3DCCCCCD, "value": 0.10000000149011612}}
+
+
 def test_a_single_frame_as_a_golden_frame() -> None:
     text = run("141#A1329B00F4010080", "--golden", "--set", "series=MG", "--set", "encoder_bits=18").stdout
     assert text.startswith(

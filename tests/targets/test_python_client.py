@@ -11,6 +11,7 @@ import selectors
 import socket
 import sys
 import threading
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from types import ModuleType
@@ -300,6 +301,25 @@ def test_a_node_that_does_not_confirm_its_stop_is_named(bench: Make) -> None:
             bus.silent = {2}
             bus.sent()
     assert bus.sent()[0] == "142 81"
+
+
+@pytest.mark.parametrize("is_full", [False, True])
+def test_a_stop_without_a_reply_needs_no_confirmation(
+    bench: Make, monkeypatch: pytest.MonkeyPatch, is_full: bool
+) -> None:
+    """Where it was sent."""
+    bus = bench()
+    monkeypatch.setattr(bus.edition.client_facts.ends_motion["stop"], "REPLIES", 0)
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        with bus.client(allow="motion") as client:
+            client.request(bus.torque(2))
+            bus.silent = {2}
+            bus.sent()
+            if is_full:
+                bus.bus.send_error = can.CanOperationError("Transmit buffer full", error_code=errno.ENOBUFS)
+    assert [str(each.message)[:27] for each in warned] == ["nodes did not confirm stop,"] * is_full
+    assert bus.sent()[:1] == ["142 81"] * (not is_full)
 
 
 def test_a_node_without_a_request_that_stops_it_is_named(bench: Make, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -527,7 +527,10 @@ class ClientCore:
         return self.unsolicited.popleft()
 
     async def _close(self) -> None:
-        """Stops the nodes that were moved, and stops reading. Warns of each node that does not confirm it, or cannot be stopped."""
+        """Stops the nodes that were moved, and stops reading. Warns of each node that does not confirm it, or cannot be stopped.
+
+        A request without a reply needs no confirmation, only to be sent.
+        """
         jobs: list[_Job] = []
         lacking: list[int] = []
         for node in [self.nodes[number] for number in sorted(self._moved)]:
@@ -539,6 +542,8 @@ class ClientCore:
                 jobs[-1].tries, jobs[-1].at_once = STOP_TRIES, True
         if jobs:
             await self._exchange(jobs)
+            unanswered = [job for job in jobs if job.request is not None and not job.request.REPLIES]
+            self._moved -= {job.node.node for job in unanswered if job.failure == NO_REPLY}
         if self._notifier:
             self._notifier.remove_listener(self._reader)
             self._notifier = None

@@ -19,6 +19,7 @@ from ..recordings.nodes import Choice, Nodes
 from ..recordings.results import Place
 from ..recordings.rows import CellValue, Row
 from ..recordings.summary import NodeSummary, Summary
+from ..semantics.floats import shortest
 from .settings import known_values
 
 SHOWN = 4
@@ -96,6 +97,8 @@ def value_text(value: CellValue, raw: int, type_: Type) -> str:
         return f"raw {raw}{name}"
     if isinstance(value, str):  # a name, also for no value of a number with a unit
         return value
+    if isinstance(value, float) and type_.is_bare_float and type_.width == 32:
+        value = shortest(value)
     text = f"[{', '.join(value)}]" if isinstance(value, list) else str(value)
     return (f"{text} {type_.unit.symbol}" if type_.unit else text) + name
 

@@ -14,6 +14,13 @@ def float_of(width: int, bits: int) -> float:
     return result
 
 
+def shortest(number: float) -> float:
+    """A number of 32 bits as the decimal with at most nine digits that is nearest to no other one: 0.1 for 0.10000000149011612."""
+    bits = bits_of(32, number)
+    decimals = (float(f"{number:.{digits}g}") for digits in range(6, 9))  # six digits are never too many
+    return next((decimal for decimal in decimals if bits_of(32, decimal) == bits), float(f"{number:.9g}"))
+
+
 def bits_of(width: int, number: float) -> int:
     """The bit pattern of the nearest number of a width. Raises OverflowError if the number is too large."""
     pattern, code = _FORMATS[width]
